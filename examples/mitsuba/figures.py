@@ -2,7 +2,7 @@
 
     python figures.py TABLES OUTPUT [NUMBER ...]
 
-TABLES holds `sS.nc`, tables of rough interfaces of index 1.4 and smoothness S (docs/rendering.md has the commands). Panels of the models are scaled to their
+TABLES holds `sS.nc`, tables of rough interfaces of index 1.4 and smoothness S (docs/how_it_works/rendering.md has the commands). Panels of the models are scaled to their
 largest value, as in the paper, and linear; those of the differences are to one scale. Needs numpy, scipy, matplotlib and mitsuba.
 """
 

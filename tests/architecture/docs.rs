@@ -6,15 +6,26 @@ use std::path::{Path, PathBuf};
 
 use crate::sources::{crates, root};
 
-/// The READMEs of the workspace and its crates, and the pages of docs/.
+/// The READMEs of crates, the pages at the root of the workspace, and those of docs/ with its folders.
 pub(crate) fn pages() -> Vec<PathBuf> {
-    let docs = fs::read_dir(root().join("docs")).unwrap();
-    let docs = docs.map(|entry| entry.unwrap().path());
-    let pages = docs.filter(|path| path.extension().is_some_and(|ending| ending == "md"));
     let crates = crates().into_iter().filter(|name| name != "asperity");
-    let crates = crates.map(|name| root().join("crates").join(name).join("README.md"));
-    let readmes = crates.chain([root().join("README.md")]);
-    pages.chain(readmes).collect()
+    let readmes = crates.map(|name| root().join("crates").join(name).join("README.md"));
+    let mut pages: Vec<PathBuf> = readmes.collect();
+    for name in ["README", "ARCHITECTURE", "CONTRIBUTING", "CHANGELOG"] {
+        pages.push(root().join(name).with_extension("md"));
+    }
+    let mut folders = vec![root().join("docs")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "md") {
+                pages.push(path);
+            }
+        }
+    }
+    pages
 }
 
 /// Relative links of a page that lead to no file, or to no heading of one.

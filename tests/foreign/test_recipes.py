@@ -1,4 +1,4 @@
-"""Recipes of docs/recipes.md: their commands with few rays, then their Python as it stands, and what it found. ASPERITY names the program."""
+"""Recipes of docs/recipes/exports.md: their commands with few rays, then their Python as it stands, and what it found. ASPERITY names the program."""
 
 import csv
 import os
@@ -10,7 +10,7 @@ import mitsuba
 import numpy as np
 import pytest
 
-PAGE = Path(__file__).parents[2] / "docs/recipes.md"
+PAGE = Path(__file__).parents[2] / "docs/recipes/exports.md"
 SECTIONS = PAGE.read_text().split("\n## ")[1:]
 
 

@@ -1,4 +1,4 @@
-//! Commands of docs/recipes.md, as they stand there but for the number of rays.
+//! Commands of docs/recipes/exports.md, as they stand there but for the number of rays.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ fn commands(section: &str) -> impl Iterator<Item = &str> {
 #[test]
 fn every_recipe_runs() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = fs::read_to_string(root.join("docs/recipes.md")).unwrap();
+    let page = fs::read_to_string(root.join("docs/recipes/exports.md")).unwrap();
     let folder = Folder::new();
     folder.succeed("generate --tau 8um --sigma 1um --size 64 --seed 7 -o scan.x3p --quiet");
     for section in page.split("\n## ").skip(1) {

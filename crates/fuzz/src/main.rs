@@ -1,4 +1,4 @@
-//! Damages files and has every reader of the workspace read them; `docs/fuzzing.md`.
+//! Damages files and has every reader of the workspace read them; `docs/how_it_works/fuzzing.md`.
 
 #![allow(
     clippy::print_stdout,

@@ -4,7 +4,7 @@
 //! cargo bench -p asperity-results --bench sizes
 //! ```
 //!
-//! The table of docs/results.md. Surfaces are small, so that runs take about a minute each.
+//! The table of docs/reference/results.md. Surfaces are small, so that runs take about a minute each.
 #![allow(
     clippy::print_stdout,
     clippy::unwrap_used,

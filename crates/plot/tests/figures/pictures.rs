@@ -1,4 +1,4 @@
-//! The figures in docs: drawn as figures are drawn today.
+//! The figures in docs/figures: drawn as figures are drawn today.
 //!
 //! docs/figures.txt has a line per picture: its file, the kind of figure, a hash of the pixels of a sample of that kind when the picture was drawn,
 //! and the command that draws it. A kind that is drawn differently has another hash.
@@ -138,7 +138,7 @@ fn pictures_of_docs_are_drawn_as_figures_are_today() {
         listed.insert(file.to_owned());
         let today = sample(kind).map_or_else(|| "-".to_owned(), |figure| hash(&figure));
         if recorded != today && recorded != OUTDATED {
-            let _ = writeln!(changed, "docs/{file}: {command}");
+            let _ = writeln!(changed, "docs/figures/{file}: {command}");
         }
         let kept = if recorded == OUTDATED {
             recorded
@@ -147,14 +147,14 @@ fn pictures_of_docs_are_drawn_as_figures_are_today() {
         };
         let _ = writeln!(updated, "{file}\t{kind}\t{kept}\t{command}");
     }
-    let files = fs::read_dir(DOCS)
+    let files = fs::read_dir(Path::new(DOCS).join("figures"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name());
     let files = files.map(|name| name.to_string_lossy().into_owned());
     let pictures: BTreeSet<String> = files.filter(|name| name.ends_with(".png")).collect();
     assert_eq!(
         listed, pictures,
-        "docs/figures.txt lists other pictures than docs has"
+        "docs/figures.txt lists other pictures than docs/figures has"
     );
     if env::var_os("UPDATE_DOCS").is_some() {
         fs::write(&list, updated).unwrap();

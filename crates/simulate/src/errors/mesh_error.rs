@@ -21,7 +21,7 @@ const OPEN: &str = "not estimated: a surface with an open border cannot be refin
 const TRIANGLES: &str = "none: the triangles given are the surface";
 const SMOOTH: &str = "none: the spline through the heights given is the surface";
 
-/// Said of random surfaces of smooth cells that are not refined; the figures are those of docs/smooth_cells.md.
+/// Said of random surfaces of smooth cells that are not refined; the figures are those of docs/how_it_works/smooth_cells.md.
 const RANDOM_SMOOTH: &str = "not estimated: --refine traces a finer mesh; of 4 smooth cells per correlation length it was below 3e-4 in every flux tried, s = 0.5 to 3";
 
 /// Said of random surfaces whose slopes are not Gaussian and that are not refined.

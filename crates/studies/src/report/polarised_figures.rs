@@ -18,7 +18,7 @@ use crate::report::polarised::elements;
 use crate::report::shown_case::ShownCase;
 
 /// Axes s and p of all matrices.
-const AXES: &str = "s along z × k, p = k × s (docs/polarisation.md)";
+const AXES: &str = "s along z × k, p = k × s (docs, polarisation)";
 /// Largest standard error of an element that a curve shows: half of the largest element.
 const MOST_ERROR: f64 = 0.5;
 /// End of the axis of elements: points at -1 and 1 are seen whole.

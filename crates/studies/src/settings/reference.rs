@@ -1,4 +1,4 @@
-//! The reference page of all settings, `docs/settings.md`.
+//! The reference page of all settings, `docs/reference/settings.md`.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;

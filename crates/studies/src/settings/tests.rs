@@ -6,12 +6,12 @@ use std::path::Path;
 use super::value_text::read_text;
 use super::*;
 
-/// Set to write `docs/settings.md` anew.
+/// Set to write `docs/reference/settings.md` anew.
 const UPDATE: &str = "UPDATE_DOCS";
 
 #[test]
 fn the_reference_page_follows_from_the_definitions() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/settings.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/settings.md");
     let page = reference_page();
     if std::env::var_os(UPDATE).is_some() {
         asperity_io::write_bytes(&path, page.as_bytes()).unwrap();
@@ -19,7 +19,7 @@ fn the_reference_page_follows_from_the_definitions() {
     let written = asperity_io::read_text(&path).unwrap();
     assert!(
         written == page,
-        "docs/settings.md is out of date: run this test with {UPDATE}=1"
+        "docs/reference/settings.md is out of date: run this test with {UPDATE}=1"
     );
 }
 
