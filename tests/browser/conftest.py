@@ -1,15 +1,17 @@
-"""Results with their pages, and a browser that opens them. ASPERITY names the program, CHROMIUM the browser."""
+"""Results with their pages, the site of docs/, and a browser that opens them. ASPERITY names the program, CHROMIUM the browser."""
 
 import csv
 import json
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Error, sync_playwright
 
+DOCS = Path(__file__).parents[2] / "docs"
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SMALL = "--tau 8 --size 64"
 GONIO = f"gonio {SMALL} --eta 1.5 --theta 0,30,60 --rays 2e4 --realisations 4 --bins 12x24"
@@ -62,6 +64,15 @@ def results(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def site(tmp_path_factory):
+    """Folder of the site of docs/."""
+    folder = tmp_path_factory.mktemp("site")
+    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", DOCS / "site/mkdocs.yml", "--site-dir", folder]
+    subprocess.run(build, check=True)
+    return folder
+
+
+@pytest.fixture(scope="session")
 def browser():
     names = ["chromium", "chromium-browser", "google-chrome"]
     program = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, names)), None)
@@ -83,24 +94,27 @@ def launched(chromium, program, attempts=3):
 
 
 @pytest.fixture
-def show(browser, results):
-    """Function that opens a page; no page may complain, ask the network for anything or open a dialog until the test ends."""
+def open_file(browser):
+    """Function that opens a file; no page may complain, ask the network for anything or open a dialog until the test ends.
+
+    A page stands alone unless `parts` is true: then it may read other files.
+    """
     contexts = []
     found = []
 
     def complain(what):
         found.append(what)
 
-    def requested(request):
-        is_page = request.is_navigation_request() and request.url.startswith("file://")
-        if not is_page and not request.url.startswith(("data:", "blob:")):
-            complain(f"request for {request.url}")
-
     def dismissed(dialog):
         complain(f"dialog {dialog.message}")
         dialog.dismiss()
 
-    def show(name, script=None, **options):
+    def open_file(path, script=None, parts=False, **options):
+        def requested(request):
+            is_expected = request.url.startswith("file://") and (parts or request.is_navigation_request())
+            if not is_expected and not request.url.startswith(("data:", "blob:")):
+                complain(f"request for {request.url}")
+
         options = {"viewport": {"width": 1200, "height": 900}, "color_scheme": "light", "reduced_motion": "reduce", **options}
         context = browser.new_context(**options)
         contexts.append(context)
@@ -112,13 +126,19 @@ def show(browser, results):
         page.on("console", lambda message: complain(message.text) if message.type in ("error", "warning") else None)
         page.on("pageerror", lambda error: complain(str(error)))
         page.on("dialog", dismissed)
-        page.goto((results / f"{name}.html").as_uri())
+        page.goto(path.as_uri())
         return page
 
-    yield show
+    yield open_file
     for context in contexts:
         context.close()
     assert not found
+
+
+@pytest.fixture
+def show(open_file, results):
+    """Function that opens a page of results."""
+    return lambda name, script=None, **options: open_file(results / f"{name}.html", script, **options)
 
 
 def data(page):
