@@ -10,22 +10,22 @@ from mkdocs.structure.nav import Section
 
 ROOT = Path(__file__).parents[2]
 HOME = "README.md"
-# Folders and pages of the top level, in this order; others come after them
+# Order of folders and pages of the top level
 TOP = ["tutorials", "recipes", "reference", "how_it_works", "gallery.md", "atlas.md", "findings.md"]
 # Fenced code, or a link with its text
 LINK = re.compile(r"^ *```.*?^ *```|\[(?P<text>[^\[\]]*)\]\((?P<target>[^()\s]+)\)", re.MULTILINE | re.DOTALL)
-# Lengths of cells, with their markup, and of words of code
-LONG_CELL = 70
+# Characters of cells with sentences, of numbers with errors and units at the most, and of words of code
+LONG_CELL = 40
+NUMBER = 22
 LONG_WORD = 30
 LANGUAGES = {".rs": "rust", ".toml": "toml", ".py": "python", ".sh": "sh"}
-
 
 # Anchors of the headings of a page so far
 anchors = set()
 
 
 def on_config(config):
-    config.mdx_configs["toc"]["slugify"] = anchor
+    config.mdx_configs["toc"]["slugify"] = github_anchor
     return config
 
 
@@ -33,7 +33,7 @@ def on_page_markdown(markdown, page, config, files):
     anchors.clear()
 
 
-def anchor(heading, separator):
+def github_anchor(heading, separator):
     """Anchor of a heading as on GitHub; equal headings have `name`, `name-1`, `name-2`. The test of links in tests/architecture has the same rule."""
     kept = "".join(c for c in heading.strip().lower() if c.isalnum() or c in "-_ ").replace(" ", separator)
     names = itertools.chain([kept], (f"{kept}-{k}" for k in itertools.count(1)))
@@ -99,30 +99,47 @@ def source(path, files, config):
 
 
 def navigation(pages):
-    """Pages in folders. In a folder, those that the home page links to come first, in its order; `x.md` opens a folder `x` beside it."""
-    targets = [link["target"] for link in LINK.finditer((ROOT / "docs" / HOME).read_text()) if link["target"]]
-    order = {target.partition("#")[0]: place for place, target in reversed(list(enumerate(targets)))}
+    """Pages in folders. `x.md` opens the folder `x` beside it, and `x/README.md` the one that it is in.
 
-    def of(folder):
+    Pages of a folder have the order in which the page that opens it links to them, or else the home page; others come last.
+    """
+    at_home = order(HOME)
+
+    def of(folder, opener):
         found = {page.removeprefix(folder).split("/")[0] for page in pages if page.startswith(folder)} - {HOME}
-        names = sorted(found, key=lambda name: (TOP + [name]).index(name) if not folder else (order.get(folder + name, len(targets)), name))
-        opened = {f"{name}.md" for name in names if f"{name}.md" in names}
-        return [item(folder, name) for name in names if name not in opened]
+        found -= {f"{name}.md" for name in found}
+        inside = order(opener)
+
+        def place(name):
+            page = opens(folder, name) or f"{folder}{name}"
+            return (TOP + [name]).index(name), inside.get(page, len(inside)), at_home.get(page, len(at_home)), name
+
+        return [item(folder, name) for name in sorted(found, key=place)]
+
+    def opens(folder, name):
+        return next((page for page in (f"{folder}{name}/{HOME}", f"{folder}{name}.md") if page in pages), None)
 
     def item(folder, name):
         if name.endswith(".md"):
             return folder + name
-        first = [page for page in (f"{folder}{name}/{HOME}", f"{folder}{name}.md") if page in pages]
-        return {title(first[0] if first else name): [*first, *of(f"{folder}{name}/")]}
+        opener = opens(folder, name)
+        if opener is None:
+            return {name.replace("_", " ").capitalize(): of(f"{folder}{name}/", HOME)}
+        return {title(opener): [opener, *of(f"{folder}{name}/", opener)]}
 
-    return [{"Home": HOME}, *of("")]
+    return [{"Home": HOME}, *of("", HOME)]
 
 
-def title(name):
-    """Heading of a page, or the name of a folder in words."""
-    if not name.endswith(".md"):
-        return name.replace("_", " ").capitalize()
-    heading = next(line for line in (ROOT / "docs" / name).read_text().splitlines() if line.startswith("# "))
+def order(page):
+    """Places of the pages that a page links to."""
+    links = LINK.finditer((ROOT / "docs" / page).read_text())
+    targets = [posixpath.normpath(posixpath.join(posixpath.dirname(page), link["target"].partition("#")[0])) for link in links if link["target"]]
+    return {target: place for place, target in reversed(list(enumerate(targets)))}
+
+
+def title(page):
+    """Heading of a page."""
+    heading = next(line for line in (ROOT / "docs" / page).read_text().splitlines() if line.startswith("# "))
     return heading.removeprefix("# ").replace("`", "")
 
 
@@ -153,5 +170,7 @@ def kept_whole(word):
 
 
 def cell(match):
-    text = re.sub(r"(?<=\d) ± (?=\d)", "&nbsp;±&nbsp;", match[1])
-    return f'<td class="long">{text}</td>' if len(text) > LONG_CELL else f"<td>{text}</td>"
+    text = re.sub(r"<[^>]*>", "", match[1])
+    is_number = len(text) <= NUMBER and re.match(r"[-~<>] ?\d|\d", text)
+    kind = "long" if len(text) > LONG_CELL else "number" if is_number else None
+    return f'<td class="{kind}">{match[1]}</td>' if kind else match[0]

@@ -1,4 +1,4 @@
-"""Commands of docs/reference/clusters.md, with a small run in place of theirs."""
+"""Commands of docs/reference/clusters.md and clusters/engines.md, with a small run in place of theirs."""
 
 import re
 
@@ -10,7 +10,8 @@ RUN = "asperity verify study.toml"
 
 def recipe(engine):
     """Block of commands that starts shards by a program, or by a loop of the shell."""
-    blocks = re.findall(r"^```sh\n(.*?)^```", (ROOT / "docs/reference/clusters.md").read_text(), re.MULTILINE | re.DOTALL)
+    pages = [(ROOT / "docs/reference" / name).read_text() for name in ("clusters.md", "clusters/engines.md")]
+    blocks = re.findall(r"^```sh\n(.*?)^```", "".join(pages), re.MULTILINE | re.DOTALL)
     (block,) = [block for block in blocks if re.search(rf"^(.*\| )?{engine} .*{RUN}", block, re.MULTILINE)]
     return block.replace(RUN, " ".join(["asperity", *flags(SHORT)]))
 
