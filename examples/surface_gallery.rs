@@ -1,4 +1,4 @@
-//! Draws the pictures of random surfaces and of structures in docs/reference/surfaces.md: every spectrum, distribution and structure, shaded.
+//! Draws the pictures of random surfaces and of structures in docs/reference/surfaces/: every spectrum, distribution and structure, shaded.
 //!
 //! The pictures are PNG files in the folder for temporary files. A height map that is named takes part by its spectrum and its heights.
 //!
