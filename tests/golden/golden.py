@@ -22,24 +22,29 @@ EXAMPLES = {
     "first_look": ("verify", "--rays 1e5"),
     "brushed": ("verify", "--rays 5e4 --size 128 --tau 24 --tau-y 6"),
     "gold": ("verify", "--rays 5e4"),
+    "target_error": ("verify", "--max-time 1h"),
+    "pyramids": ("verify", ""),
+    "polarised": ("verify", "--rays 5e4 --model-rays 1e5"),
     "visibility": ("attenuation", "--realisations 2 --no-plots"),
     "transmission_paper_fig_7": ("verify", "--rays 2e4 --realisations 8 --size 128"),
     "transmission_paper_figs_5_6_8_9": ("verify", "--rays 2e4 --realisations 8 --size 128 --no-plots"),
     "trace_ripples": ("trace", "--rays 5e4"),
+    "terrain_sun": ("gonio", "--rays 5e4"),
     "small_gonio": ("gonio", "--rays 2e4"),
-    "translucent_albedo": ("gonio", "--rays 2e4 --realisations 4"),
-    "translucent_low_bumps": ("gonio", "--rays 1e4 --realisations 4"),
     "translucent_matrix": ("gonio", "--rays 2e3 --realisations 4 --theta 0,50 --no-plots"),
-    "translucent_phase": ("gonio", "--rays 2e4 --realisations 4 --no-plots"),
     "small_map": ("map", ""),
     "validity_map": ("map", "--rays 1e4 --realisations 8 --size 64 --tau 8 --theta 0,60 --smoothness 2,8 --no-plots"),
     "geometric_attenuation": ("attenuation", "--realisations 2 --no-plots"),
     "converge": ("converge", "--size 128 --rays 256 --surfaces 2,4 --repeats 2 --reference-rays 256 --reference-surfaces 8"),
-    "accuracy": ("converge", "--size 128 --rays 256 --surfaces 2,4 --repeats 2 --reference-rays 256 --reference-surfaces 8 --no-plots"),
-    "spacing": ("converge", "--size 256 --rays 256 --surfaces 2,4 --repeats 2 --reference-rays 256 --reference-surfaces 8 --no-plots"),
+    "converge_roughness": ("converge", "--size 128 --rays 256 --surfaces 2,4 --repeats 2 --reference-rays 256 --reference-surfaces 8 --no-plots"),
+    "converge_spacing": ("converge", "--size 256 --rays 256 --surfaces 2,4 --repeats 2 --reference-rays 256 --reference-surfaces 8 --no-plots"),
 }
 SMALL = "--size 64 --tau 8"
+TRANSLUCENT = "gonio examples/translucent_matrix.toml --mean-free-path 0.1 --realisations 4"
 RUNS = {
+    "translucent_albedo": f"{TRANSLUCENT} --albedo 0.3,0.6,0.9,0.99 --theta 70 --rays 2e4",
+    "translucent_low_bumps": f"{TRANSLUCENT} --smoothness 18 --theta 60 --bins 30x72 --rays 1e4",
+    "translucent_phase": f"{TRANSLUCENT} --g=-0.5,0,0.5,0.8 --theta 70 --rays 2e4 --no-plots",
     "given": "generate --tau 6 --smoothness 2 --size 128 --seed 3 -o {out}/h.exr",
     "open": "trace {given}/h.exr --border open --theta 40 --rays 3e4",
     "mirrored": "trace {given}/h.exr --border mirrored --theta 40 --rays 3e4 --models smith,smith-slopes",
@@ -76,6 +81,7 @@ RUNS = {
 VOLATILE_KEYS = {"seconds", "seconds_min", "seconds_max", "generate_seconds", "build_seconds", "trace_seconds", "setup_seconds", "error_at_one_second",
                  "threads", "instructions", "commit", "version", "dirty", "results_epoch", "epoch", "rustc", "target"}
 VOLATILE_PARTS = ("seconds", "efficienc", "speedup", "slope", "fit", "times_longer", "cost")
+CONVERGE = ("converge", "converge_roughness", "converge_spacing")
 SKIPPED_FOLDERS = {"checkpoints", "cells"}
 
 
@@ -116,7 +122,7 @@ def content(path, folder):
     name = os.path.basename(path)
     if name == "stdout.txt" or name == "report.txt":
         lines = data.decode().splitlines()
-        if "/converge/" in path or "/accuracy/" in path or "/spacing/" in path:
+        if any(f"/{case}/" in path for case in CONVERGE):
             return b""
         kept = [line for line in lines if not line.startswith("results in ") and " M segments/s" not in line
                 and not (" s" in line and ("traced in" in line or "segments" in line))]
@@ -141,7 +147,7 @@ def compared(folder):
             relative = os.path.relpath(path, folder)
             kept = not name.endswith((".png", ".npz", ".journal")) and name != "manifest.json"
             checkpoint = os.sep + "directions" + os.sep in path and name.endswith(".json")
-            timed = relative.split(os.sep)[0] in ("converge", "accuracy", "spacing") and name.endswith(".svg")
+            timed = relative.split(os.sep)[0] in CONVERGE and name.endswith(".svg")
             if kept and not checkpoint and not timed:
                 out[relative] = content(path, folder)
     return out

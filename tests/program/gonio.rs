@@ -1,7 +1,6 @@
 //! The virtual gonioreflectometer: its tables, its files, and runs that resume.
 
 use std::fs;
-use std::path::Path;
 
 use crate::support::{
     Folder, InFolder, MustContain, Table, assert_same_bytes, errors_of, files, json,
@@ -413,7 +412,7 @@ fn columns_without_light_are_left_out_of_the_report() {
 }
 
 #[test]
-fn summary_tells_all_and_examples_are_understood() {
+fn summary_tells_all() {
     let folder = with_config();
     let text = folder.succeed("gonio g.toml --json -o out");
     let file = folder.text("out/summary.json");
@@ -433,18 +432,4 @@ fn summary_tells_all_and_examples_are_understood() {
     let report = folder.text("out/report.txt");
     report.must_contain("4 of 4 directions; s = 2, n = 1.5, albedo = 0.9");
     report.must_contain("mean free path = 0.01");
-
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let mut seen = 0;
-    for entry in fs::read_dir(examples).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        if name.starts_with("translucent_") || name == "small_gonio.toml" {
-            let text = fs::read_to_string(&path).unwrap();
-            let config = asperity_studies::GonioConfig::from_toml(&text).unwrap();
-            config.plan(None).unwrap();
-            seen += 1;
-        }
-    }
-    assert!(seen >= 4, "{seen}");
 }

@@ -1,7 +1,6 @@
-//! Verifications: verdicts, the files they rest on, and the configurations of the examples.
+//! Verifications: verdicts, and the files they rest on.
 
 use std::fs;
-use std::path::Path;
 
 use crate::support::{Folder, InFolder, MustContain, files, json, unwrapped, with_surface};
 use serde_json::Value;
@@ -402,33 +401,4 @@ fn more_rays_than_requested_are_told() {
     }
     let text = folder.succeed(format!("verify --models none --rays 4000 {surface} -o w"));
     assert!(!text.contains("in place of"), "{text}");
-}
-
-#[test]
-fn every_example_configuration_is_understood() {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let mut seen = 0;
-    for entry in fs::read_dir(examples).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_some_and(|ending| ending == "toml") {
-            let text = fs::read_to_string(&path).unwrap();
-            // Those of other commands are read in the tests of these commands.
-            let of_attenuation = ["geometric_attenuation", "visibility"]
-                .into_iter()
-                .any(|name| path.file_stem().is_some_and(|stem| stem == name));
-            let of_gonio = path.file_stem().is_some_and(|stem| {
-                let stem = stem.to_string_lossy();
-                stem.starts_with("translucent_") || stem == "small_gonio"
-            });
-            let of_trace = text.contains("[measured]");
-            let of_others = of_attenuation || of_gonio || of_trace;
-            if text.contains("[converge]") || text.contains("[map]") || of_others {
-                continue;
-            }
-            let config = asperity_studies::VerifyConfig::from_toml(&text).unwrap();
-            config.plan().unwrap();
-            seen += 1;
-        }
-    }
-    assert!(seen >= 5, "{seen}");
 }
