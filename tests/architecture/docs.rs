@@ -6,12 +6,19 @@ use std::path::{Path, PathBuf};
 
 use crate::sources::{crates, root};
 
-/// The READMEs of crates, the pages at the root of the workspace, and those of docs/ with its folders.
+/// The READMEs of crates and examples, the pages at the root of the workspace, and those of docs/ with its folders.
 pub(crate) fn pages() -> Vec<PathBuf> {
     let crates = crates().into_iter().filter(|name| name != "asperity");
     let readmes = crates.map(|name| root().join("crates").join(name).join("README.md"));
     let mut pages: Vec<PathBuf> = readmes.collect();
-    for name in ["README", "ARCHITECTURE", "CONTRIBUTING", "CHANGELOG"] {
+    for name in [
+        "README",
+        "ARCHITECTURE",
+        "CONTRIBUTING",
+        "CHANGELOG",
+        "examples/README",
+        "examples/python/README",
+    ] {
         pages.push(root().join(name).with_extension("md"));
     }
     let mut folders = vec![root().join("docs")];

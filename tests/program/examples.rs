@@ -1,8 +1,10 @@
-//! The example programs of the library, each run as it stands.
+//! Examples: every program of the library runs as it stands, and every configuration is planned by its command.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+
+use crate::support::{InFolder, MustContain};
 
 /// Declares each example as a module, a test that runs it, and the list of all.
 macro_rules! examples {
@@ -45,22 +47,63 @@ examples! {
     trace_a_bump: "../../examples/trace_a_bump.rs",
 }
 
+/// Names of the files in `examples/` with an ending, without it.
+fn names(ending: &str) -> BTreeSet<String> {
+    let entries = fs::read_dir(root().join("examples")).unwrap();
+    entries
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|found| found == ending))
+        .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
+        .collect()
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
 #[test]
 fn every_example_is_run_and_listed_in_the_readme() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let programs: BTreeSet<String> = fs::read_dir(root.join("examples"))
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|ending| ending == "rs"))
-        .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
-        .collect();
+    let programs = names("rs");
     assert_eq!(
         programs,
         RUN.iter().map(|name| (*name).to_owned()).collect()
     );
 
-    let readme = fs::read_to_string(root.join("README.md")).unwrap();
+    let readme = root().text("examples/README.md");
     for name in programs {
-        assert!(readme.contains(&format!("(examples/{name}.rs)")), "{name}");
+        readme.must_contain(format!("[{name}.rs]({name}.rs)"));
+    }
+}
+
+/// The first line is `# What it shows: asperity COMMAND examples/NAME.toml -o out (TIME)`.
+#[test]
+fn every_configuration_is_planned_by_the_command_of_its_first_line() {
+    let readme = root().text("examples/README.md");
+    for name in names("toml") {
+        let path = format!("examples/{name}.toml");
+        let text = root().text(&path);
+        let first = text.lines().next().unwrap();
+        let (_, told) = first.split_once(": asperity ").unwrap();
+        let (command, time) = told.split_once(&format!(" {path} -o out (")).unwrap();
+        assert!(time.ends_with(')'), "{first}");
+        readme.must_contain(format!("[{name}.toml]({name}.toml)"));
+        readme.must_contain(format!("`asperity {command} {path} -o out`"));
+
+        let planned = root().succeed(format!("{command} {path} --plan-only"));
+        planned.must_contain(" of one thread expected");
+    }
+}
+
+#[test]
+fn every_configuration_names_the_files_that_it_needs_in_its_first_lines() {
+    for name in names("toml") {
+        let text = root().text(format!("examples/{name}.toml"));
+        let head = text.split("\n\n").next().unwrap();
+        for line in text.lines() {
+            if let Some(rest) = line.strip_prefix("file = \"") {
+                let file = rest.split('"').next().unwrap();
+                head.must_contain(format!("Needs {file}"));
+            }
+        }
     }
 }
