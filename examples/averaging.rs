@@ -5,7 +5,7 @@
 //! 1e-5 of the incident flux, with percentages of the reflected flux, and draws a figure in the folder for temporary files.
 //!
 //! ```text
-//! cargo run --release --example averaging                  # s = 2, glass; a quarter of a minute
+//! cargo run --release --example averaging                  # s = 2, glass; some seconds
 //! cargo run --release --example averaging -- all 32        # all cases, on 32 surfaces
 //! ```
 
