@@ -75,7 +75,7 @@ fn every_example_is_run_and_listed_in_the_readme() {
     }
 }
 
-/// The first line is `# What it shows: asperity COMMAND examples/NAME.toml -o out (TIME)`.
+/// The first line is `# What it shows: asperity COMMAND examples/NAME.toml -o out (TIME on two cores)`, and the table has the same.
 #[test]
 fn every_configuration_is_planned_by_the_command_of_its_first_line() {
     let readme = root().text("examples/README.md");
@@ -85,9 +85,11 @@ fn every_configuration_is_planned_by_the_command_of_its_first_line() {
         let first = text.lines().next().unwrap();
         let (_, told) = first.split_once(": asperity ").unwrap();
         let (command, time) = told.split_once(&format!(" {path} -o out (")).unwrap();
-        assert!(time.ends_with(')'), "{first}");
-        readme.must_contain(format!("[{name}.toml]({name}.toml)"));
-        readme.must_contain(format!("`asperity {command} {path} -o out`"));
+        let time = time.strip_suffix(" on two cores)").unwrap();
+
+        let file = format!("| [{name}.toml]({name}.toml) |");
+        let row = readme.lines().find(|line| line.contains(&file)).unwrap();
+        assert!(row.ends_with(&format!("| `{command}` | {time} |")), "{row}");
 
         let planned = root().succeed(format!("{command} {path} --plan-only"));
         planned.must_contain(" of one thread expected");
