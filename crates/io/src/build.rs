@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// the last digit: other algorithms, other random streams, another order of summation. Leave it
 /// where only file layouts, words, figures or speed change. Results of different epochs are never
 /// mixed: checkpoints of another epoch are refused.
-pub const RESULTS_EPOCH: u32 = 20;
+pub const RESULTS_EPOCH: u32 = 21;
 
 /// Build of the program that computed a result. Results of equal builds and configurations have equal numbers.
 ///

@@ -3,7 +3,8 @@
 //! A facet whose slope along the plane of incidence is `p` turns reflected light by `2 p`, one whose slope across it is `q` moves it
 //! sideways by `2 q cos(theta_i)`. Refracted light is turned by `p (1 - cos(theta_i) / (eta cos(theta_t)))` and moved sideways by
 //! `q (cos(theta_t) - cos(theta_i) / eta)`: Snell's law, to first order in the slopes. The lobe of Gaussian slopes is then a Gaussian
-//! to first order too, and falls to half at `sqrt(2 ln 2)` deviations.
+//! to first order too, and falls to half at `sqrt(2 ln 2)` deviations. A level bottom of the same index refracts the light of a slab once more, into the
+//! medium that it came from: angles along the plane of incidence grow by `eta cos(theta_t) / cos(theta_i)`, across it by `eta`.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -53,7 +54,7 @@ impl Lobe {
         Side::BOTH.map(|side| Self::of_side(light.incidence, material, side, slopes))
     }
 
-    /// The lobes of a case. Light that is transmitted through layers has none, and none are known of a surface that is only described.
+    /// The lobes of a case. Light that is transmitted through several layers, or into another medium than it came from, has none, and none are known of a surface that is only described.
     #[must_use]
     pub fn of_case(case: &Case) -> [Option<Self>; 2] {
         Self::of_slopes(case, CoreSlopes::of_source(&case.surface))
@@ -68,7 +69,14 @@ impl Lobe {
             return [None; 2];
         };
         let [reflected, transmitted] = Self::of(&case.light, &case.material, slopes);
-        [reflected, transmitted.filter(|_| case.layers.is_empty())]
+        let transmitted = match case.layers.as_slice() {
+            [] => transmitted,
+            [_] if case.passes_on() => {
+                transmitted.and_then(|lobe| lobe.through_slab(&case.light, &case.material))
+            }
+            _ => None,
+        };
+        [reflected, transmitted]
     }
 
     fn of_side(
@@ -102,6 +110,21 @@ impl Lobe {
             theta_deg: theta.to_degrees(),
             phi_deg: forward.to_degrees().rem_euclid(360.0),
             half_width_deg: [half_width(0), half_width(1)],
+        })
+    }
+
+    /// The lobe of transmitted light behind a level bottom, on the other side of which is the medium that the light came from.
+    fn through_slab(self, light: &Light, material: &Material) -> Option<Self> {
+        let eta = material.transmitting_index()?;
+        let cos_t = -cos(self.theta_deg.to_radians());
+        let [along, across] = self.half_width_deg;
+        Some(Self {
+            theta_deg: 180.0 - light.incidence.theta_deg(),
+            half_width_deg: [
+                along * eta * cos_t / cos(light.incidence.theta()),
+                across * eta,
+            ],
+            ..self
         })
     }
 

@@ -105,7 +105,7 @@ fn phi_edges(lobes: [Option<Lobe>; 2], phi_deg: f64, coarse: &HemisphereGrid) ->
 
 #[cfg(test)]
 mod tests {
-    use asperity_optics::{Incidence, Material};
+    use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
     use asperity_synthesis::{Psd, Synthesis};
     use asperity_tally::Mirror;
 
@@ -198,5 +198,32 @@ mod tests {
         near(transmitted.half_width_deg[1], half * (cos_t - 0.5 / 1.5));
         near(transmitted.theta_deg, 180.0 - sin_t.asin().to_degrees());
         near(transmitted.phi_deg, 190.0);
+    }
+
+    /// Snell's law twice, at a facet that is turned a little in the plane of incidence, and at the level bottom.
+    #[test]
+    fn a_level_bottom_widens_the_lobe_of_transmitted_light() {
+        let (eta, theta) = (1.5, 40.0_f64.to_radians());
+        let mut case = case(40.0, eta, 40.0, 0.0);
+        let phase = PhaseFunction::Isotropic;
+        let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, phase).unwrap();
+        case.layers = vec![Layer::slab(clear, 30.0, Bottom::interface(1.0 / eta)).unwrap()];
+        let [_, lobe] = Lobe::of_case(&case).map(Option::unwrap);
+        let leaves = |turn: f64| {
+            let inside = turn + ((theta - turn).sin() / eta).asin();
+            (eta * inside.sin()).asin()
+        };
+        let turn = 1e-6;
+        let along = (leaves(turn) - leaves(-turn)) / (2.0 * turn);
+        let half = (1.1774 * 2.0_f64.sqrt() / 40.0).to_degrees();
+        assert!((lobe.half_width_deg[0] / (half * along) - 1.0).abs() < 1e-3);
+        // Across it the tangential direction alone is bent, by the index.
+        let cos_t = (1.0 - (theta.sin() / eta).powi(2)).sqrt();
+        let across = eta * cos_t - theta.cos();
+        assert!((lobe.half_width_deg[1] / (half * across) - 1.0).abs() < 1e-3);
+        assert!((lobe.theta_deg - 140.0).abs() < 1e-9);
+        assert!(bins(&case).is_some());
+        case.layers = vec![Layer::slab(clear, 30.0, Bottom::interface(1.2)).unwrap()];
+        assert_eq!(Lobe::of_case(&case)[1], None);
     }
 }
