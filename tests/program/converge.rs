@@ -23,7 +23,7 @@ const CONFIG: &str = "
 ";
 
 /// The first line of a convergence.csv.
-const HEADER: &str = "estimator,sampling,branching,peer_rate,accelerator,spacing,rays_a_surface,surfaces,repeats,\
+const HEADER: &str = "estimator,sampling,branching,peer_rate,accelerator,spacing,rays_per_surface,surfaces,repeats,\
     seconds,seconds_min,seconds_max,error,error_se,reference_error,error_exact,energy_error,usable";
 
 /// Rows of a convergence.csv, each by the names of its columns.

@@ -8,6 +8,7 @@ use asperity_plot::{
     Figure, Hemisphere, Hemispheres, InPlaneCurves, PlotError, Point, ProfileComponent,
     ProfileGrid, Series, SharedColours,
 };
+use asperity_surface::LengthUnit;
 use asperity_tally::{Component, Side, TallySpec, is_of_few_rays};
 use rayon::prelude::*;
 
@@ -16,6 +17,7 @@ use super::config::PlotScale;
 use super::distinction::Distinction;
 use super::distinction::labelled;
 use super::outcome::{Direction, GonioOutcome};
+use super::sample::Sample;
 use super::tables::projected_in_plane;
 use crate::output::{Place, over, projected_solid_angle};
 use crate::report::disc_bins::{disc_bins, disc_edges};
@@ -106,7 +108,18 @@ fn subtitle(outcome: &GonioOutcome, more: &str) -> String {
         .filter_map(|one| Some(&one.outcome?.work));
     let work = work.map(|work| [work.realisations, work.rays]);
     let effort = effort(work, " per direction", outcome.config.run.seed);
+    // Terrain has compass directions.
+    let is_terrain =
+        |sample: &&Sample| matches!(sample.unit, LengthUnit::Metre | LengthUnit::Kilometre);
+    let compass = outcome
+        .sample
+        .filter(is_terrain)
+        .map(|sample| match sample.y_is_north {
+            true => "azimuth 0° is east, 90° north".to_owned(),
+            false => "azimuth 0° is east, 90° south".to_owned(),
+        });
     let words = name.into_iter().chain([common, effort, more.to_owned()]);
+    let words = words.chain(compass);
     words
         .filter(|w| !w.is_empty())
         .collect::<Vec<_>>()

@@ -18,6 +18,8 @@ pub struct Sample {
     pub shapes: Vec<Shape>,
     /// Their names, for titles.
     pub name: String,
+    /// `true` if y points north in them, as far as they have compass directions.
+    pub y_is_north: bool,
     /// Unit of their lengths.
     pub unit: LengthUnit,
     /// Their description, with a hash of the heights of each: results are those of another sample where this differs.
@@ -48,6 +50,7 @@ impl Sample {
         let is_known = SurfaceLengths::are_comparable(surfaces.first.unit);
         Ok(Self {
             name: surfaces.name(),
+            y_is_north: surfaces.first.y_is_north,
             unit: surfaces.first.unit,
             description: surfaces.described(|surface| {
                 let mut described = description(surface, reading);

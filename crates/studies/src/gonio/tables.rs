@@ -203,12 +203,11 @@ pub(super) fn in_plane<'a>(outcome: &'a GonioOutcome<'_>) -> Csv<'a> {
             })
             .unit("1/sr"),
         )
-        .columns(component_columns(
-            spec,
-            "bsdf",
-            "BSDF of a component of the light",
-            bsdf,
-        ))
+        .columns(
+            component_columns(spec, "bsdf", "BSDF of a component of the light", bsdf)
+                .into_iter()
+                .map(|column| column.unit("1/sr")),
+        )
         .with_rows(in_plane_bins(outcome))
 }
 

@@ -277,4 +277,11 @@ fn matrix_text(out: &mut String, statistics: &TallyStatistics, side: Side) {
         let numbers = numbers.map(|element| format!("{:>10.5}", element.mean));
         let _ = writeln!(out, "{}", numbers.collect::<String>());
     }
+    if let Some(polarised) = Polarised::of(statistics, flux) {
+        let degree = with_error(polarised.degree());
+        let _ = writeln!(
+            out,
+            "{side}, degree of polarisation of unpolarised light: {degree}"
+        );
+    }
 }

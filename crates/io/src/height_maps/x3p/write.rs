@@ -57,6 +57,10 @@ fn main_xml(field: &HeightField, [dx, dy]: [f64; 2], checksum: &str) -> String {
     let border = field.border();
     let cells = field.turned_cells().map_or("", |_| " cells=turned");
     let version = env!("CARGO_PKG_VERSION");
+    let model = match field.provenance() {
+        Some(_) => "simulated surface",
+        None => "processed surface",
+    };
     format!(
         r#"<?xml version="1.0" encoding="UTF-8" standalone="no" ?>
 <p:ISO5436_2 xmlns:p="{NAMESPACE}">
@@ -88,7 +92,7 @@ fn main_xml(field: &HeightField, [dx, dy]: [f64; 2], checksum: &str) -> String {
     <Date>1970-01-01T00:00:00</Date>
     <Instrument>
       <Manufacturer>asperity</Manufacturer>
-      <Model>simulated surface</Model>
+      <Model>{model}</Model>
       <Serial>not available</Serial>
       <Version>{version}</Version>
     </Instrument>
