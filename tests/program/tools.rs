@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use asperity_studies::settings::{Command as Named, settings_of};
@@ -60,6 +61,34 @@ fn offered(shell: &str, script: &str, command: Named) -> BTreeSet<String> {
 }
 
 #[test]
+fn every_example_of_settings_can_be_written() {
+    let folder = Folder::new();
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    for entry in fs::read_dir(&examples).unwrap() {
+        let path = entry.unwrap().path();
+        let Some(name) = path.to_str().unwrap().strip_suffix(".toml") else {
+            continue;
+        };
+        let name = Path::new(name).file_name().unwrap().to_str().unwrap();
+        let text = fs::read_to_string(&path).unwrap().replace("examples/", "");
+        let first = text.lines().next().unwrap().trim_start_matches("# ");
+        let folder = Folder::new();
+        let printed = folder.succeed(format!("example {name}"));
+        assert_eq!(printed, format!("{name}.toml written: {first}\n"));
+        let written = fs::read_to_string(folder.join(format!("{name}.toml"))).unwrap();
+        assert_eq!(written, text);
+    }
+    // With the file that it reads
+    folder.succeed("example trace_ripples");
+    folder.succeed("trace trace_ripples.toml --rays 1e3 --quiet");
+    folder.succeed("example first_look");
+    folder
+        .failed("example first_look")
+        .must_contain("`first_look.toml` exists and is not replaced");
+    folder.refused("example first").must_contain("first_look");
+}
+
+#[test]
 fn completion_scripts_offer_every_command_its_own_flags() {
     let folder = Folder::new();
     for shell in ["bash", "zsh", "fish"] {
@@ -110,7 +139,7 @@ fn man_writes_a_page_for_every_command() {
     assert_eq!(folder.succeed("man pages/man1"), "");
     let pages = folder.join("pages/man1");
     let names = Named::ALL.map(Named::name);
-    let tools = ["completions", "man", "devices"];
+    let tools = ["example", "completions", "man", "devices"];
     let mut expected: Vec<String> = names.into_iter().chain(tools).map(page).collect();
     expected.push("asperity.1".to_owned());
     expected.sort();

@@ -39,13 +39,16 @@ use crate::common::Common;
 use crate::end::End;
 use crate::failure::Failure;
 use crate::output::{keep_arguments, say_notes};
+pub use crate::tools::Example;
+use crate::tools::keep_examples;
 
 /// Runs the command that `arguments` name, the name of the program first, and returns the exit code.
 ///
 /// To be called once per process: it sets the number of threads and handles interrupts, the second of which ends the
-/// process. Prints on standard output and standard error.
-pub fn run(arguments: Vec<OsString>) -> u8 {
+/// process. `examples`: those that `asperity example` writes. Prints on standard output and standard error.
+pub fn run(arguments: Vec<OsString>, examples: &'static [Example]) -> u8 {
     keep_arguments(&arguments);
+    keep_examples(examples);
     let request = match parse(arguments) {
         Ok(request) => request,
         Err(Stop::Failure(failure)) => return failure.report(),

@@ -65,6 +65,7 @@ pub(crate) fn man_sections(name: &str, pages: &[String]) -> String {
         (None, Some("completions")) => vec!["asperity completions bash > asperity.bash"],
         (None, Some("man")) => vec!["asperity man ~/.local/share/man/man1"],
         (None, Some("devices")) => vec!["asperity devices"],
+        (None, Some("example")) => vec!["asperity example first_look"],
         _ => Command::ALL
             .into_iter()
             .flat_map(self::examples)

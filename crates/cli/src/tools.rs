@@ -1,6 +1,7 @@
-//! Commands without settings: completion scripts and man pages, from the one definition of the command line, and devices.
+//! Commands without settings: completion scripts and man pages, from the one definition of the command line, examples and devices.
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use asperity_io::{FolderLock, exists, read_text, shown_path, write_bytes};
 use asperity_numerics::vector::Instructions;
@@ -21,6 +22,31 @@ const SHELLS: [(&str, Shell); 3] = [
     ("fish", Shell::Fish),
 ];
 
+/// A file of settings to start from, or one that it reads.
+#[derive(Clone, Copy, Debug)]
+pub struct Example {
+    /// Name of the file, such as `first_look.toml`.
+    pub file: &'static str,
+    /// Its text.
+    pub text: &'static str,
+}
+
+/// Ending of the files of settings among the examples.
+const SETTINGS: &str = ".toml";
+
+/// Examples of the program that runs.
+static EXAMPLES: OnceLock<&[Example]> = OnceLock::new();
+
+/// Keeps the examples of the program.
+pub(crate) fn keep_examples(examples: &'static [Example]) {
+    EXAMPLES.get_or_init(|| examples);
+}
+
+/// The examples of the program.
+fn examples() -> &'static [Example] {
+    EXAMPLES.get().copied().unwrap_or_default()
+}
+
 /// Name of the only argument.
 const ARGUMENT: &str = "argument";
 
@@ -31,6 +57,8 @@ pub(crate) enum Tool {
     Completions,
     /// Writes man pages.
     Man,
+    /// Writes a file of settings.
+    Example,
     /// Lists the CPU and GPUs.
     Devices,
 }
@@ -39,18 +67,20 @@ pub(crate) enum Tool {
 pub(crate) enum ToolRun {
     Completions(Shell),
     Man(PathBuf),
+    Example(&'static Example),
     Devices,
 }
 
 impl Tool {
     /// All of them, in the order of the help.
-    pub(crate) const ALL: [Self; 3] = [Self::Completions, Self::Man, Self::Devices];
+    pub(crate) const ALL: [Self; 4] = [Self::Example, Self::Completions, Self::Man, Self::Devices];
 
     /// Its name on the command line.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Completions => "completions",
             Self::Man => "man",
+            Self::Example => "example",
             Self::Devices => "devices",
         }
     }
@@ -60,6 +90,7 @@ impl Tool {
         match self {
             Self::Completions => "Print a completion script for a shell",
             Self::Man => "Write the man pages of all commands",
+            Self::Example => "Write a file of settings to start from",
             Self::Devices => "List the CPU and the GPUs on which light can be traced",
         }
     }
@@ -69,6 +100,7 @@ impl Tool {
         match self {
             Self::Completions => Some(("SHELL", "bash, zsh or fish")),
             Self::Man => Some(("DIR", "Folder for the pages")),
+            Self::Example => Some(("NAME", "Name of the example")),
             Self::Devices => None,
         }
     }
@@ -83,6 +115,11 @@ impl Tool {
             match self {
                 Self::Completions => {
                     argument.value_parser(PossibleValuesParser::new(SHELLS.map(|(name, _)| name)))
+                }
+                Self::Example => {
+                    let settings = examples().iter();
+                    let names = settings.filter_map(|one| one.file.strip_suffix(SETTINGS));
+                    argument.value_parser(PossibleValuesParser::new(names))
                 }
                 _ => argument
                     .value_parser(clap::value_parser!(PathBuf))
@@ -106,6 +143,12 @@ impl Tool {
                 let folder = matches.get_one::<PathBuf>(ARGUMENT)?;
                 Some(ToolRun::Man(folder.clone()))
             }
+            Self::Example => {
+                let name = matches.get_one::<String>(ARGUMENT)?;
+                let is_named =
+                    |one: &&Example| one.file.strip_suffix(SETTINGS) == Some(name.as_str());
+                examples().iter().find(is_named).map(ToolRun::Example)
+            }
             Self::Devices => Some(ToolRun::Devices),
         }
     }
@@ -117,9 +160,36 @@ impl ToolRun {
         match self {
             Self::Completions(shell) => print(&completions(shell, program)),
             Self::Man(folder) => write_pages(&folder, program),
+            Self::Example(example) => write_example(example),
             Self::Devices => print(&devices()),
         }
     }
+}
+
+/// Folder of the examples in the repository, which their texts name.
+const FOLDER: &str = "examples/";
+
+/// Writes an example into the current folder, with the files that it reads, and prints its first line. Replaces no file.
+fn write_example(example: &Example) -> Result<(), Failure> {
+    let is_read = |other: &&Example| {
+        !other.file.ends_with(SETTINGS) && example.text.contains(&format!("{FOLDER}{}", other.file))
+    };
+    let read = examples().iter().filter(is_read);
+    let files: Vec<&Example> = std::iter::once(example).chain(read).collect();
+    if let Some(there) = files.iter().find(|one| exists(Path::new(one.file))) {
+        return Err(Failure::failed(format!(
+            "`{}` exists and is not replaced; move it or work in another folder",
+            there.file
+        )));
+    }
+    for one in files {
+        let text = one.text.replace(FOLDER, "");
+        write_bytes(Path::new(one.file), text.as_bytes()).map_err(Failure::failed)?;
+    }
+    let text = example.text.replace(FOLDER, "");
+    let about = text.lines().next().unwrap_or_default();
+    let about = about.trim_start_matches(['#', ' ']);
+    print(&format!("{} written: {about}\n", example.file))
 }
 
 /// The CPU and the GPUs, a line each.

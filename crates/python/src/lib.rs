@@ -5,6 +5,9 @@
 mod arguments;
 mod command;
 mod errors;
+// Those of the program
+#[path = "../../asperity/examples.rs"]
+mod examples;
 mod height_map;
 mod labelled;
 mod model;
@@ -31,7 +34,7 @@ mod _core {
     /// Runs the program with these arguments, the first of which is its name, and returns its exit code.
     #[pyfunction]
     fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
-        py.detach(|| asperity_cli::run(arguments))
+        py.detach(|| asperity_cli::run(arguments, &crate::examples::EXAMPLES))
     }
 
     #[pymodule_init]
