@@ -8,7 +8,7 @@ from markdown_it import MarkdownIt
 
 PAGES = sorted(path.relative_to(DOCS) for path in DOCS.rglob("*.md"))
 # The home page, one with wide tables, one with code and pictures
-SAMPLES = ["README.md", "reference/settings.md", "reference/pictures.md"]
+SAMPLES = ["README.md", "reference/settings/surface.md", "reference/pictures.md"]
 WIDTHS = [390, 1280]
 SCHEMES = ["light", "dark"]
 # WCAG 2, level AA

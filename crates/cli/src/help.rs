@@ -101,7 +101,7 @@ impl Help {
         if self.is_short(command) {
             let all: BTreeSet<_> = shown(command).filter_map(Setting::flag_name).collect();
             let rest = format!(
-                "Print help on all {} flags; docs/reference/settings.md lists them too",
+                "Print help on all {} flags; docs/reference/settings/ lists them too",
                 all.len()
             );
             text.push_str(&self.row("      --help-all", &rest, INDENT));

@@ -3,7 +3,7 @@
 //! A [`Setting`] says the section and key in a configuration file, the flag on the command line, the kind of value,
 //! unit, default, allowed range and help text, and which commands have it. The tables in `definitions/` are the only
 //! place where these stand. From them follow the flags and their help, the keys of a configuration, the error
-//! sentences, and the reference page `docs/reference/settings.md`.
+//! sentences, and the reference page `docs/reference/settings/`.
 //!
 //! A [`Document`] holds the values of one run in three layers: defaults, then the file, then the flags. Each value
 //! keeps where it was given, so that an error can name it. [`Document::read`] turns the document into a typed
@@ -46,7 +46,7 @@ pub(crate) use input_files::LIKE;
 pub use kind::{Choice, Kind};
 pub use length::Length;
 pub use range::Range;
-pub use reference::reference_page;
+pub use reference::{ReferencePage, reference_pages};
 pub use setting::{Arity, Flag, Setting};
 pub use suggestion::{known_names, roughness_hint, suggestion};
 

@@ -1,46 +1,63 @@
-//! The reference page of all settings, `docs/reference/settings.md`.
+//! The reference pages of all settings, `docs/reference/settings/`: an index by command, and one page per section.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::command::{Command, Commands};
-use super::definitions::{GROUPS, HELD_BY, SECTIONS};
+use super::definitions::{GROUPS, HELD_BY, SECTIONS, Section};
 use super::group::{Group, Variant};
 use super::kind::{Kind, such_as};
 use super::setting::{Arity, Flag, Setting};
 
-/// The page, in Markdown.
+/// A page in Markdown, with the name of its file.
+pub struct ReferencePage {
+    /// Name of the file, such as `surface.md`.
+    pub file: String,
+    /// Text.
+    pub text: String,
+}
+
+/// The pages: the index, and one per section.
 #[must_use]
-pub fn reference_page() -> String {
+pub fn reference_pages() -> Vec<ReferencePage> {
+    let index = ReferencePage {
+        file: "README.md".to_owned(),
+        text: index(),
+    };
+    let of_sections = SECTIONS.iter().map(|section| ReferencePage {
+        file: format!("{}.md", section.name),
+        text: of_section(section),
+    });
+    std::iter::once(index).chain(of_sections).collect()
+}
+
+/// Heading of the page of a section.
+fn title(section: &Section) -> String {
+    let in_file = section.settings.iter().any(|setting| setting.in_file);
+    match in_file {
+        true => format!("{}: `[{}]`", section.title, section.name),
+        false => section.title.to_owned(),
+    }
+}
+
+/// The introduction, the flags of every command, and old spellings.
+fn index() -> String {
     let mut page = INTRODUCTION.to_owned();
-    let mut anchors = BTreeSet::new();
+    page.push_str("\n## Sections\n\n");
     for section in SECTIONS {
-        let in_file = section.settings.iter().any(|setting| setting.in_file);
-        let title = match in_file {
-            true => format!("{}: `[{}]`", section.title, section.name),
-            false => section.title.to_owned(),
-        };
-        let _ = write!(page, "\n## {title}\n\n");
-        page.push_str("| key | flag | value | default | commands | meaning |\n");
-        page.push_str("|---|---|---|---|---|---|\n");
-        for setting in section.settings {
-            page.push_str(&row(setting, &mut anchors));
-        }
-        let of_section = |group: &&Group| group.section() == section.name;
-        let groups: Vec<&Group> = GROUPS.iter().filter(of_section).collect();
-        if !groups.is_empty() {
-            page.push_str("\nExactly one row of each block applies, chosen by flags or by their keys. Settings of the other rows of the block do not go with it.\n\n");
-            page.push_str("| with | it may have | it needs |\n|---|---|---|\n");
-            let blocks: Vec<String> = groups.into_iter().map(block).collect();
-            page.push_str(&blocks.join("| | | |\n"));
-        }
-        for (holder, held) in HELD_BY {
-            if holder.split('.').next() == Some(section.name) {
-                let (holder, held) = (listed(&[holder]), listed(held));
-                let _ = writeln!(
-                    page,
-                    "\nOn the command line, another value of {holder} than that of the file clears {held} of the file."
-                );
+        let _ = writeln!(page, "- [{}]({}.md)", title(section), section.name);
+    }
+    page.push_str("\n## By command\n");
+    for command in Command::ALL {
+        let _ = write!(page, "\n### {command}\n\n");
+        for section in SECTIONS {
+            let of_command = section.settings.iter();
+            let of_command = of_command.filter(|setting| setting.commands.contains(command));
+            let flags = of_command.filter_map(Setting::flag_name);
+            let links = flags.map(|flag| format!("[`--{flag}`]({}.md#--{flag})", section.name));
+            let links: Vec<String> = links.collect();
+            if !links.is_empty() {
+                let _ = writeln!(page, "- {}: {}", section.title, links.join(", "));
             }
         }
     }
@@ -57,12 +74,44 @@ pub fn reference_page() -> String {
     page
 }
 
+/// The settings of a section, and which of them go together.
+fn of_section(section: &Section) -> String {
+    let mut anchors = BTreeSet::new();
+    let mut page = format!("# {}\n\n{GENERATED}\n", title(section));
+    page.push_str("| key | flag | value | default | commands | meaning |\n");
+    page.push_str("|---|---|---|---|---|---|\n");
+    for setting in section.settings {
+        page.push_str(&row(setting, &mut anchors));
+    }
+    let of_section = |group: &&Group| group.section() == section.name;
+    let groups: Vec<&Group> = GROUPS.iter().filter(of_section).collect();
+    if !groups.is_empty() {
+        page.push_str("\nExactly one row of each block applies, chosen by flags or by their keys. Settings of the other rows of the block do not go with it.\n\n");
+        page.push_str("| with | it may have | it needs |\n|---|---|---|\n");
+        let blocks: Vec<String> = groups.into_iter().map(block).collect();
+        page.push_str(&blocks.join("| | | |\n"));
+    }
+    for (holder, held) in HELD_BY {
+        if holder.split('.').next() == Some(section.name) {
+            let (holder, held) = (listed(&[holder]), listed(held));
+            let _ = writeln!(
+                page,
+                "\nOn the command line, another value of {holder} than that of the file clears {held} of the file."
+            );
+        }
+    }
+    page
+}
+
+const GENERATED: &str = "<!-- Generated from crates/studies/src/settings/definitions; see CONTRIBUTING for how to write it anew. -->
+";
+
 const INTRODUCTION: &str = "# Settings
 
 <!-- Generated from crates/studies/src/settings/definitions; see CONTRIBUTING for how to write it anew. -->
 
-Every setting of every command. A configuration file is TOML: keys stand in sections, as in `[surface]`. Flags override
-the file, and the file overrides the defaults. A flag takes the place of keys of the file that do not go with it; each section
+Every setting of every command, by [command](#by-command) and by [section](#sections). A configuration file is TOML: keys stand in sections, as in `[surface]`. Flags override
+the file, and the file overrides the defaults. A flag takes the place of keys of the file that do not go with it; the page of each section
 lists them at its end. Relative paths of
 files are taken from the folder that the program runs in, also those in a configuration file.
 

@@ -6,21 +6,24 @@ use std::path::Path;
 use super::value_text::read_text;
 use super::*;
 
-/// Set to write `docs/reference/settings.md` anew.
+/// Set to write `docs/reference/settings/` anew.
 const UPDATE: &str = "UPDATE_DOCS";
 
 #[test]
-fn the_reference_page_follows_from_the_definitions() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/settings.md");
-    let page = reference_page();
-    if std::env::var_os(UPDATE).is_some() {
-        asperity_io::write_bytes(&path, page.as_bytes()).unwrap();
+fn the_reference_pages_follow_from_the_definitions() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/settings");
+    for page in reference_pages() {
+        let path = folder.join(&page.file);
+        if std::env::var_os(UPDATE).is_some() {
+            asperity_io::write_bytes(&path, page.text.as_bytes()).unwrap();
+        }
+        let written = asperity_io::read_text(&path).unwrap();
+        assert!(
+            written == page.text,
+            "docs/reference/settings/{} is out of date: run this test with {UPDATE}=1",
+            page.file
+        );
     }
-    let written = asperity_io::read_text(&path).unwrap();
-    assert!(
-        written == page,
-        "docs/reference/settings.md is out of date: run this test with {UPDATE}=1"
-    );
 }
 
 fn all() -> impl Iterator<Item = &'static Setting> {
