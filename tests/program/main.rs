@@ -33,6 +33,7 @@ mod given_ensembles;
 mod given_models;
 mod gonio;
 mod gonio_given;
+mod headlines;
 mod instructions;
 mod instrument_files;
 mod interrupts;

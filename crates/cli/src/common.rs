@@ -1,5 +1,6 @@
 //! Settings of every command, and where its results go.
 
+use std::io::{IsTerminal, stdout};
 use std::path::PathBuf;
 
 use asperity_io::shown_path;
@@ -45,6 +46,24 @@ impl Common {
             say(&wrapped(&what()));
         }
     }
+}
+
+/// Lines of two screens of a terminal.
+const TWO_SCREENS: usize = 48;
+
+/// The paragraphs of a text that fit on two screens, and the rest. A first one that is longer is cut.
+fn two_screens(text: &str) -> [&str; 2] {
+    let ends = text.match_indices('\n').map(|(end, _)| end + 1);
+    let ends: Vec<usize> = ends.collect();
+    if ends.len() <= TWO_SCREENS {
+        return [text, ""];
+    }
+    let first = &text[..ends[TWO_SCREENS - 1]];
+    let paragraphs = first.rfind("\n\n").map(|end| end + 2);
+    let is_much = |end: &usize| first[..*end].lines().count() > TWO_SCREENS / 2;
+    let end = paragraphs.filter(is_much).unwrap_or(first.len());
+    let (shown, left) = text.split_at(end);
+    [shown, left]
 }
 
 impl Observer for Common {
@@ -95,11 +114,22 @@ impl Results {
         text: impl FnOnce() -> String,
     ) -> Result<(), Failure> {
         self.print_file(common, summary, || {
-            let mut text = text();
-            if let Some(folder) = &self.output {
-                text.push_str(&format!("results in {}\n", shown_path(folder)));
+            let text = text();
+            // A pipe or file gets all of it.
+            let is_whole = common.verbose || !stdout().is_terminal();
+            let [shown, left] = match is_whole {
+                true => [text.as_str(), ""],
+                false => two_screens(&text),
+            };
+            let mut shown = shown.to_owned();
+            if !left.is_empty() {
+                let left = left.lines().count();
+                shown.push_str(&format!("... {left} more lines: --verbose prints them\n"));
             }
-            text
+            if let Some(folder) = &self.output {
+                shown.push_str(&format!("results in {}\n", shown_path(folder)));
+            }
+            shown
         })
     }
 
@@ -115,5 +145,27 @@ impl Results {
             (false, true) => Ok(()),
             (false, false) => print(&text()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_screens_end_with_a_paragraph() {
+        let lines = |count: usize| "line\n".repeat(count);
+        let short = lines(TWO_SCREENS);
+        assert_eq!(two_screens(&short), [short.as_str(), ""]);
+        let text = format!("{}\n{}", lines(40), lines(30));
+        let [shown, left] = two_screens(&text);
+        assert_eq!([shown.lines().count(), left.lines().count()], [41, 30]);
+        // A table that is longer is cut.
+        let text = format!("{}\n{}", lines(5), lines(100));
+        let [shown, left] = two_screens(&text);
+        assert_eq!(
+            [shown.lines().count(), left.lines().count()],
+            [TWO_SCREENS, 58]
+        );
     }
 }

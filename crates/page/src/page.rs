@@ -44,12 +44,10 @@ const MAX_LENGTH: usize = 490_000;
 /// Largest length of the report of the terminal on a page of one folder, in bytes.
 const MAX_REPORT: usize = 20_000;
 
-type Sentences = Vec<(&'static str, Vec<String>)>;
-
 /// Contents of the page of one folder.
 struct Part {
     name: String,
-    story: Sentences,
+    story: Story,
     energies: Vec<EnergyRow>,
     verdicts: Vec<VerdictRow>,
     /// Names and descriptions of models, with their sources.
@@ -73,7 +71,7 @@ struct Html<'a> {
     version: &'a str,
     heading: String,
     command: &'a str,
-    story: Sentences,
+    story: Story,
     differences: Vec<Difference>,
     settings: Vec<(String, Vec<String>)>,
     energies: [&'static str; 5],
@@ -192,7 +190,7 @@ impl Page {
                 .map(|part| part.settings.as_slice())
                 .collect();
             html.settings = comparison::settings(&settings);
-            html.story = together(&names, &found);
+            html.story = together(&found);
             html.differences = found.rows;
         } else {
             html.story.clone_from(&html.parts[0].story);
@@ -255,8 +253,7 @@ fn described(names: &[String], cases: &[Vec<Case>]) -> Vec<Value> {
 }
 
 /// The story of several folders.
-fn together(names: &[String], found: &Differences) -> Sentences {
-    let asked = format!("How do the results of {} differ?", words::listed(names));
+fn together(found: &Differences) -> Story {
     let z = |row: &Difference| row.z.map_or(0.0, f64::abs);
     let largest = found.rows.iter().max_by(|a, b| z(a).total_cmp(&z(b)));
     let mut answers = Vec::new();
@@ -279,11 +276,7 @@ fn together(names: &[String], found: &Differences) -> Sentences {
         Some(_) => "Differences have the standard errors of both results, taken as independent.",
         None => "What is known of each folder stands in its part of the page.",
     };
-    vec![
-        ("Asked", vec![asked]),
-        ("Found", answers),
-        ("How sure", vec![sure.to_owned()]),
-    ]
+    vec![("Summary", answers), ("Notes", vec![sure.to_owned()])]
 }
 
 impl Part {
@@ -295,12 +288,11 @@ impl Part {
         first: usize,
         share: usize,
     ) -> Result<Self, PageError> {
-        let Story { asked, found, sure } = story(folder, cases)?;
         let verdicts: Vec<VerdictRow> = cases.iter().flat_map(verdict_rows).collect();
         let report = folder.text("report.txt")?;
         Ok(Self {
             name: name.to_owned(),
-            story: vec![("Asked", asked), ("Found", found), ("How sure", sure)],
+            story: story(folder, cases),
             energies: (first..)
                 .zip(cases)
                 .map(|(number, case)| energy_row(number, case))

@@ -7,9 +7,14 @@ use serde_json::Value;
 /// A mean with its error from a summary, as in `0.024812 ± 0.000042`; a dash if there is none.
 pub(crate) fn estimate_or_dash(value: &Value) -> String {
     match EstimateWithLimit::deserialize(value) {
-        Ok(estimate) => estimate.text().replace("+-", "±"),
+        Ok(estimate) => line(&estimate.text()),
         Err(_) => "–".to_owned(),
     }
+}
+
+/// A line of text with the signs of the field, as in `0.0248 ± 0.0001 at 30°`.
+pub(crate) fn line(line: &str) -> String {
+    line.replace(" +- ", " ± ").replace(" deg", "°")
 }
 
 /// A label of a case with the signs of the field, as in `s = 3, n = 1.4, θᵢ = 30°`.

@@ -26,7 +26,7 @@ use serde_json::Value;
 use self::config::Axes;
 use self::json::albedo_summary;
 use self::single::smith;
-use self::text::albedo_text;
+use self::text::{albedo_text, headline};
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
@@ -130,7 +130,11 @@ impl Findings for AlbedoOutcome<'_> {
         albedo_summary(self)
     }
 
-    fn text(&self) -> String {
+    fn headline(&self) -> Vec<String> {
+        headline(self)
+    }
+
+    fn tables(&self) -> String {
         albedo_text(self) + "\n"
     }
 

@@ -24,7 +24,7 @@ use serde_json::Value;
 
 use self::json::gonio_summary;
 pub use self::outcome::{Direction, GonioOutcome};
-use self::summary::gonio_table;
+use self::summary::{gonio_table, headline};
 
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
@@ -170,7 +170,11 @@ impl Findings for GonioOutcome<'_> {
         gonio_summary(self)
     }
 
-    fn text(&self) -> String {
+    fn headline(&self) -> Vec<String> {
+        headline(self)
+    }
+
+    fn tables(&self) -> String {
         gonio_table(self) + "\n"
     }
 

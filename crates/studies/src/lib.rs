@@ -16,6 +16,7 @@ mod export;
 mod generate;
 mod given;
 mod gonio;
+mod headline;
 mod inspect;
 mod map;
 mod materials;

@@ -21,7 +21,7 @@ use serde_json::json;
 
 use self::json::map_summary;
 pub use self::outcome::{MapCell, MapOutcome};
-use self::summary::map_table;
+use self::summary::{headline, map_table};
 
 use crate::comparison::model_rays::add_expected_seconds;
 use crate::comparison::models::Testing;
@@ -157,7 +157,11 @@ impl Findings for MapOutcome<'_> {
         map_summary(self)
     }
 
-    fn text(&self) -> String {
+    fn headline(&self) -> Vec<String> {
+        headline(self)
+    }
+
+    fn tables(&self) -> String {
         map_table(self) + "\n"
     }
 

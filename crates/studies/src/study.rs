@@ -192,8 +192,16 @@ pub trait Findings {
     /// The contents of summary.json.
     fn summary(&self) -> impl Serialize;
 
-    /// Tables for people.
-    fn text(&self) -> String;
+    /// The answer in at most five lines: light, models, errors, and what is left out.
+    fn headline(&self) -> Vec<String>;
+
+    /// Tables for people, the most important first.
+    fn tables(&self) -> String;
+
+    /// Headline and tables: report.txt.
+    fn text(&self) -> String {
+        with_tables(&self.headline(), &self.tables())
+    }
 
     /// Reason why the run ended before all that was planned was done.
     fn stopped_by(&self) -> Option<StoppedBy>;
@@ -207,6 +215,11 @@ pub trait Findings {
     fn work(&self) -> Option<String> {
         None
     }
+}
+
+/// A headline with tables below it.
+pub(crate) fn with_tables(headline: &[String], tables: &str) -> String {
+    format!("{}\n\n{tables}", headline.join("\n"))
 }
 
 /// Clause that says how many of the cases are finished: "1 of 4 cells is finished".

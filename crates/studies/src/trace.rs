@@ -21,6 +21,7 @@ use serde_json::json;
 
 pub use self::comparison::TraceComparison;
 use self::files::traces_summary;
+use self::outcome::headline_of;
 pub use self::outcome::{TraceOutcome, TraceOutcomes};
 pub use self::plan::PlannedTrace;
 use self::text::traces_table;
@@ -29,6 +30,7 @@ use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::error::StudyError;
 use crate::given::{GivenSurface, GivenSurfaces};
+use crate::report::energies::work_line;
 use crate::report::views::Views;
 use crate::settings::Document;
 use crate::study::{Findings, PlannedRow, Study, finished, first_of, tracing};
@@ -210,7 +212,11 @@ impl Findings for TraceOutcomes<'_> {
         traces_summary(self)
     }
 
-    fn text(&self) -> String {
+    fn headline(&self) -> Vec<String> {
+        headline_of(&self.each)
+    }
+
+    fn tables(&self) -> String {
         traces_table(self)
     }
 
@@ -233,6 +239,9 @@ impl Findings for TraceOutcomes<'_> {
         };
         let work = &one.outcome.work.machine;
         let (build, trace) = (work.build_seconds, work.trace_seconds);
-        Some(format!("built in {build:.3} s, traced in {trace:.3} s"))
+        let line = work_line(&one.outcome.work);
+        Some(format!(
+            "built in {build:.3} s, traced in {trace:.3} s\n{line}"
+        ))
     }
 }

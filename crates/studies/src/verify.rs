@@ -154,7 +154,11 @@ impl Findings for VerifyOutcome<'_> {
         verify_summary(self)
     }
 
-    fn text(&self) -> String {
+    fn headline(&self) -> Vec<String> {
+        self.headline_of(&self.cases)
+    }
+
+    fn tables(&self) -> String {
         verify_table(self)
     }
 

@@ -133,23 +133,27 @@ impl Findings for WorkPlan {
         times
     }
 
-    fn text(&self) -> String {
-        let shown = &self.rows[..self.rows.len().min(SHOWN)];
-        let mut text = self.table_of(|column| self.differs(column)).text(shown);
-        if self.rows.len() > SHOWN {
-            text += &format!("... and {} more\n", self.rows.len() - SHOWN);
-        }
+    fn headline(&self) -> Vec<String> {
         let seconds: f64 = self.seconds().iter().sum();
         let cases = counted(self.rows.len() as u64, "row");
-        text += &format!(
-            "{cases}, {} s of one thread expected\n",
+        let mut lines = vec![format!(
+            "{cases}, {} s of one thread expected",
             short_seconds(seconds)
-        );
+        )];
         if self.shards > 1 {
             let of_shards = self.seconds_of_shards();
             let [least, most] = [f64::min, f64::max].map(|of| of_shards.iter().copied().reduce(of));
             let [least, most] = [least, most].map(|s| short_seconds(s.unwrap_or(0.0)));
-            text += &format!("{} shards of {least} to {most} s\n", self.shards);
+            lines.push(format!("{} shards of {least} to {most} s", self.shards));
+        }
+        lines
+    }
+
+    fn tables(&self) -> String {
+        let shown = &self.rows[..self.rows.len().min(SHOWN)];
+        let mut text = self.table_of(|column| self.differs(column)).text(shown);
+        if self.rows.len() > SHOWN {
+            text += &format!("... and {} more\n", self.rows.len() - SHOWN);
         }
         text
     }

@@ -10,8 +10,8 @@ use super::image::{COMMENT, layers};
 use super::json::albedo_summary;
 use super::outcome::AlbedoOutcome;
 use super::tables;
-use super::text::albedo_text;
 use crate::report::views::Views;
+use crate::study::Findings;
 
 impl AlbedoConfig {
     /// Files of the study, for this number of materials.
@@ -37,7 +37,7 @@ impl AlbedoConfig {
                 views.figure(name, move |outcome| figure(outcome, material, light));
             }
         }
-        views.text("report.txt", |outcome| Some(albedo_text(outcome)));
+        views.text("report.txt", |outcome| Some(outcome.text()));
         views.json("summary.json", |outcome| Some(albedo_summary(outcome)));
         views
     }

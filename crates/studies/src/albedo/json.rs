@@ -7,6 +7,7 @@ use super::outcome::AlbedoOutcome;
 use super::tables;
 use super::text::warnings;
 use crate::output::Head;
+use crate::study::Findings;
 
 /// The contents of summary.json.
 pub(super) fn albedo_summary(outcome: &AlbedoOutcome<'_>) -> Value {
@@ -26,6 +27,7 @@ pub(super) fn albedo_summary(outcome: &AlbedoOutcome<'_>) -> Value {
         json!({ "name": outcome.material(material), "material": case.material })
     });
     let mut summary = json!({
+        "headline": outcome.headline(),
         "seed": outcome.config.run.seed,
         "config": config,
         "materials": materials.collect::<Vec<_>>(),

@@ -9,8 +9,38 @@ use super::config::AlbedoSlopes;
 use super::means::MeanAlbedo;
 use super::outcome::AlbedoOutcome;
 use super::tables::{letter, mean_columns};
-use crate::output::{Column, NO_SCATTER, Table, cut_short, two_digits, wrapped};
+use crate::headline::range;
+use crate::output::{Column, NO_SCATTER, Table, cut_short, significant, two_digits, wrapped};
 use crate::report::energies::lost_warning;
+
+/// Headline: albedos of all light, next to single scattering, and their largest errors.
+pub(super) fn headline(outcome: &AlbedoOutcome<'_>) -> Vec<String> {
+    let points = || outcome.points().filter(|point| point.outcome.is_some());
+    let mut lines = Vec::new();
+    for side in Side::BOTH {
+        let means = points().filter_map(|point| Some(point.flux(side)?.mean));
+        let ratio = points()
+            .filter_map(|point| point.ratio(side))
+            .fold(0.0, f64::max);
+        if let Some([low, high]) = range(means) {
+            lines.push(format!(
+                "{side} {low} to {high} of the light, up to {} times single scattering",
+                significant(ratio)
+            ));
+        }
+    }
+    let rays = points()
+        .filter_map(|point| Some(point.outcome?.work.rays))
+        .sum();
+    let errors = Side::BOTH.map(|side| largest_error(outcome, side));
+    lines.extend(errors.into_iter().flatten());
+    lines.push(format!(
+        "{} in {}",
+        counted(rays, "ray"),
+        counted(points().count() as u64, "point")
+    ));
+    lines
+}
 
 /// The summary as text: report.txt.
 pub(super) fn albedo_text(outcome: &AlbedoOutcome<'_>) -> String {
@@ -45,10 +75,6 @@ pub(super) fn albedo_text(outcome: &AlbedoOutcome<'_>) -> String {
                     .flat_map(|side| mean_columns(*side)),
             );
         out.push_str(&table.text(rows));
-    }
-    let errors = Side::BOTH.map(|side| largest_error(outcome, side));
-    for (i, line) in errors.iter().flatten().enumerate() {
-        let _ = writeln!(out, "{}{line}", if i == 0 { "\n" } else { "" });
     }
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");

@@ -2,10 +2,11 @@
 
 use serde_json::{Value, json};
 
-use super::tables::{attenuation, attenuation_table, demarcation, visibility};
+use super::tables::{attenuation, demarcation, visibility};
 use super::{AttenuationConfig, AttenuationOutcome, figures};
 use crate::output::Head;
 use crate::report::views::Views;
+use crate::study::Findings;
 
 impl AttenuationConfig {
     /// The files of the study.
@@ -31,7 +32,7 @@ impl AttenuationConfig {
                 });
             }
         }
-        views.text("report.txt", |found| Some(attenuation_table(found)));
+        views.text("report.txt", |found| Some(found.text()));
         views.json("summary.json", |found| Some(attenuation_summary(found)));
         views
     }
@@ -43,6 +44,7 @@ pub(super) fn attenuation_summary(outcome: &AttenuationOutcome<'_>) -> Value {
     let (attenuation, demarcation) = (attenuation(outcome), demarcation(outcome));
     let visibility = visibility(outcome);
     let mut summary = json!({
+        "headline": outcome.headline(),
         "seed": config.run.seed,
         "config": config,
         "mesh_slope_deficit": outcome.study.mesh_slope_deficit(),

@@ -6,7 +6,7 @@ use asperity_surface::LengthUnit;
 use serde::Serialize;
 
 use super::files::attenuation_summary;
-use super::tables::attenuation_table;
+use super::tables::{attenuation_table, headline};
 use super::{AttenuationConfig, AttenuationOutcome, AttenuationStudy, SurveyedSurface};
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
@@ -98,7 +98,11 @@ impl Findings for AttenuationOutcome<'_> {
         attenuation_summary(self)
     }
 
-    fn text(&self) -> String {
+    fn headline(&self) -> Vec<String> {
+        headline(self)
+    }
+
+    fn tables(&self) -> String {
         attenuation_table(self)
     }
 

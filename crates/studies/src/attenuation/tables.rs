@@ -11,7 +11,10 @@ use asperity_surface::LengthUnit;
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
-use crate::output::{Basis, Column, EstimateWithLimit, Format, Table, unit_of_lengths, wrapped};
+use crate::headline::range;
+use crate::output::{
+    Basis, Column, EstimateWithLimit, Format, Table, unit_of_lengths, with_error, wrapped,
+};
 
 /// Description of the column `theta`.
 const THETA: &str = "polar angle of the light";
@@ -184,6 +187,36 @@ pub(super) fn visibility(outcome: &AttenuationOutcome<'_>) -> Table<'static, Vis
                 .format(Format::Fixed(4))
                 .heading("Xu and Sun, Eq. 24"),
         )
+}
+
+/// Headline: the light that reaches the surface, and its largest difference from Smith's.
+pub(super) fn headline(outcome: &AttenuationOutcome<'_>) -> Vec<String> {
+    let rows = &outcome.rows;
+    let mut lines = Vec::new();
+    if let Some([low, high]) = range(rows.iter().map(|row| row.lit.mean)) {
+        lines.push(format!("light reaches {low} to {high} of the points"));
+    }
+    let less = |row: &AttenuationRow| {
+        let smith = Beckmann::new(row.slopes).g1(row.light.wi());
+        row.g1.mean - smith
+    };
+    let furthest = rows
+        .iter()
+        .max_by(|a, b| less(a).abs().total_cmp(&less(b).abs()));
+    if let Some(row) = furthest {
+        let mean = less(row);
+        lines.push(format!(
+            "masking G1 differs most from Smith's at sigma {}, theta {} deg: by {}",
+            short(row.sigma),
+            short(row.light.theta_deg()),
+            with_error(Estimate { mean, ..row.g1 })
+        ));
+    }
+    lines.push(format!(
+        "standard errors from {}",
+        counted(outcome.work.realisations, "surface")
+    ));
+    lines
 }
 
 /// Measured fractions next to theory: report.txt.

@@ -10,7 +10,7 @@ use asperity_tally::{Component, TallySpec};
 use crate::comparison::judgement::Judgement;
 use crate::output::{distance, wrapped};
 
-/// The most significant deviation of light from a model, as a fraction of the model.
+/// The most significant deviation of a model from the light, as a fraction of the light.
 pub(crate) fn strongest_deviation(comparison: &Comparison, spec: &TallySpec) -> Option<String> {
     let test = comparison.test.as_ref().ok()?;
     let strongest = test.strongest();
@@ -38,8 +38,8 @@ pub(crate) fn strongest_deviation(comparison: &Comparison, spec: &TallySpec) -> 
     if width == 1 {
         let _ = write!(place, " phi {}", degrees(bin.phi));
     }
-    if expected > 0.0 {
-        let _ = write!(place, " {:+.1} %", 100.0 * (mean / expected - 1.0));
+    if mean > 0.0 {
+        let _ = write!(place, " {:+.1} %", 100.0 * (expected / mean - 1.0));
     }
     Some(place)
 }

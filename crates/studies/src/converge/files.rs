@@ -4,9 +4,10 @@ use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 use asperity_simulate::{counted, short};
 
 use super::json::{case_summary, converge_summary};
-use super::tables::{case_table, converge_table, convergence, rows};
+use super::tables::{case_table, convergence, headline, rows};
 use super::{ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergedCase, MethodOutcome};
 use crate::report::views::{Views, case_folders};
+use crate::study::{Findings, with_tables};
 
 impl ConvergeConfig {
     /// The files of the study.
@@ -19,7 +20,9 @@ impl ConvergeConfig {
                 Some(convergence(case).with_rows(rows(case)))
             });
             views.text(format!("{folder}report.txt"), move |found| {
-                Some(case_table(found, found.case(number)?))
+                let case = found.case(number)?;
+                let headline = headline(std::slice::from_ref(case));
+                Some(with_tables(&headline, &case_table(found, case)))
             });
             if self.output.plots {
                 views.figure(format!("{folder}convergence"), move |found| {
@@ -35,7 +38,7 @@ impl ConvergeConfig {
             }
         }
         if several {
-            views.text("report.txt", |found| Some(converge_table(found)));
+            views.text("report.txt", |found| Some(found.text()));
         }
         views.json("summary.json", |found| Some(converge_summary(found)));
         views

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::tables::convergence;
+use super::tables::{convergence, headline};
 use super::{
     ConvergeConfig, ConvergeOutcome, ConvergeWork, ConvergedCase, MethodOutcome, Reference,
 };
@@ -14,6 +14,7 @@ use crate::output::{CaseInFolder, Head, SummaryOfCases};
 pub(super) struct CaseSummary {
     #[serde(flatten)]
     head: Head,
+    headline: Vec<String>,
     /// Surface, material and light in words.
     label: String,
     config: CaseConfig,
@@ -44,6 +45,7 @@ pub(super) fn converge_summary(outcome: &ConvergeOutcome) -> Value {
         head: Head::of("converge"),
         seed: outcome.config.converge.seed,
         config: &outcome.config,
+        headline: headline(&outcome.cases),
         cases: cases.collect(),
         columns: Value::Null,
         seconds: outcome.seconds,
@@ -53,6 +55,7 @@ pub(super) fn converge_summary(outcome: &ConvergeOutcome) -> Value {
 pub(super) fn case_summary(outcome: &ConvergeOutcome, case: &ConvergedCase) -> CaseSummary {
     CaseSummary {
         head: Head::of("converge"),
+        headline: headline(std::slice::from_ref(case)),
         label: case.case.label(),
         config: CaseConfig {
             converge: outcome.config.clone(),

@@ -17,7 +17,7 @@ use super::case::{ConvergedCase, SETUP_SECONDS, StoredRun};
 use super::config::{ConvergeConfig, ConvergePlan};
 use super::json::converge_summary;
 use super::method::ConvergeRun;
-use super::tables::converge_table;
+use super::tables::{converge_table, headline};
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
@@ -170,7 +170,11 @@ impl Findings for ConvergeOutcome<'_> {
         converge_summary(self)
     }
 
-    fn text(&self) -> String {
+    fn headline(&self) -> Vec<String> {
+        headline(&self.cases)
+    }
+
+    fn tables(&self) -> String {
         converge_table(self)
     }
 

@@ -10,7 +10,38 @@ use asperity_tracer::Branching;
 use super::{
     ConvergeOutcome, ConvergedCase, Measurement, Method, MethodOutcome, RepeatedError, SecondsTo,
 };
+use crate::headline::{percent, range};
 use crate::output::{Cell, Column, Table, significant, with_error, wrapped};
+
+/// Most cases of which a headline tells.
+const MAX_CASES: usize = 3;
+
+/// Headline: the most efficient method of each case, and the error of the reference.
+pub(super) fn headline(cases: &[ConvergedCase<'_>]) -> Vec<String> {
+    let best = |case: &ConvergedCase<'_>| {
+        let at =
+            |method: &MethodOutcome| Some((method.fit.error_at_one_second?, method.name.clone()));
+        let methods = case.methods.iter().filter_map(at);
+        let (error, name) = methods.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+        let case = match cases.len() {
+            1 => String::new(),
+            _ => format!(" ({})", case.case.label()),
+        };
+        Some(format!(
+            "least error after one second: {name}, {}{case}",
+            percent(error)
+        ))
+    };
+    let mut lines: Vec<String> = cases.iter().filter_map(best).take(MAX_CASES).collect();
+    if cases.len() > MAX_CASES {
+        lines.push(format!("and {} more cases", cases.len() - MAX_CASES));
+    }
+    let errors = range(cases.iter().map(|case| 100.0 * case.reference.error));
+    lines.extend(errors.map(|[_, most]| {
+        format!("errors are root mean squares over the bins; the reference has up to {most} %")
+    }));
+    lines
+}
 
 /// The tables of every case.
 pub(super) fn converge_table(outcome: &ConvergeOutcome) -> String {
@@ -189,7 +220,7 @@ pub(super) fn convergence<'a>(case: &'a ConvergedCase<'_>) -> Table<'a, Row<'a>>
                 _ => of.spacing_text().into(),
             }
         }),
-        column("rays_a_surface", "rays per surface", |_, m| {
+        column("rays_per_surface", "rays per surface", |_, m| {
             m.rays_per_surface.into()
         }),
         column("surfaces", "surfaces", |_, m| m.surfaces.into()),

@@ -8,7 +8,6 @@ use super::distinction::Distinction;
 use super::emissivity::{SettingEmissivity, emissivity_figure, emissivity_table};
 use super::json::gonio_summary;
 use super::outcome::GonioOutcome;
-use super::summary::gonio_table;
 use super::{figures, tables};
 use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files};
@@ -17,6 +16,7 @@ use crate::report::case_views::CaseViews;
 use crate::report::error::ReportError;
 use crate::report::spectrum_views::add_spectra;
 use crate::report::views::Views;
+use crate::study::Findings;
 use crate::verify::plan::Plan;
 
 /// Folder of the tables of directions.
@@ -88,7 +88,7 @@ impl GonioConfig {
                 Ok(emissivity_figure(&settings, common)?)
             });
         }
-        views.text("report.txt", |outcome| Some(gonio_table(outcome)));
+        views.text("report.txt", |outcome| Some(outcome.text()));
         views.json("summary.json", |outcome| Some(gonio_summary(outcome)));
         Ok(views)
     }

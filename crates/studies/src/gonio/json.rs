@@ -18,6 +18,7 @@ use crate::report::polarised::polarised_json;
 use crate::report::shown_case::ShownCase;
 use crate::report::spectrum_views::columns_of_all;
 use crate::report::views::Views;
+use crate::study::Findings;
 
 /// The contents of summary.json.
 pub(super) fn gonio_summary(outcome: &GonioOutcome) -> Value {
@@ -27,6 +28,7 @@ pub(super) fn gonio_summary(outcome: &GonioOutcome) -> Value {
     let of_direction = first.map(tables::direction);
     let notes_and_warnings = [notes(outcome), warnings(outcome)].concat();
     let mut summary = json!({
+        "headline": outcome.headline(),
         "seed": outcome.config.run.seed,
         "config": config(outcome),
         "sample": outcome.sample.map(|sample| &sample.description),

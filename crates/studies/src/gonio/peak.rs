@@ -43,6 +43,11 @@ impl Peak {
         })
     }
 
+    /// Mean BSDF, 1/sr.
+    pub(super) const fn mean(&self) -> f64 {
+        self.bsdf.mean
+    }
+
     /// Its BSDF at the middle of its bin, as in "0.302 +- 0.031 at 29.8, 180".
     pub(super) fn text(&self) -> String {
         format!("{} at {}", with_error(self.bsdf), self.place())

@@ -3,19 +3,43 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use asperity_simulate::counted;
+use asperity_simulate::{Outcome, counted, short};
 use asperity_tally::HemisphereGrid;
 
 use super::distinction::{Distinction, labelled};
 use super::emissivity::{SettingEmissivity, emissivity_lines};
 use super::outcome::{Direction, GonioOutcome};
+use super::peak::Peak;
 use super::tables::{measured, report};
 use crate::config::lobes::BinnedLobe;
+use crate::headline::{errors_line, left_out, light_line};
 use crate::output::{Column, Table, cut_short, wrapped};
 use crate::report::appearance::{appearance_columns, coherent_note, coherent_warning};
 use crate::report::energies::{lost_warning, more_rays_warning};
 use crate::report::spectrum::EMISSIVITY;
 use crate::validity::{first_warning, note_of_several, wavelength_warnings};
+
+/// Headline: light of all directions, the brightest of them, errors, and what is left out.
+pub(super) fn headline(outcome: &GonioOutcome<'_>) -> Vec<String> {
+    let found: Vec<&Outcome> = measured(outcome).filter_map(|one| one.outcome).collect();
+    let mut lines: Vec<String> = light_line(&found).into_iter().collect();
+    let sides = outcome.spec().sides();
+    let peaks = sides.filter_map(|side| {
+        let of = |one: Direction<'_>| Some((Peak::of(&one, side)?, one.case.light.incidence));
+        let peaks = measured(outcome).filter_map(of);
+        let (peak, light) = peaks.max_by(|(a, _), (b, _)| a.mean().total_cmp(&b.mean()))?;
+        let theta = short(light.theta_deg());
+        Some(format!(
+            "brightest {side}: {} deg, 1/sr (light at {theta} deg)",
+            peak.text()
+        ))
+    });
+    lines.extend(peaks);
+    lines.extend(errors_line(&found));
+    let validities = measured(outcome).map(|one| outcome.validity(&one));
+    lines.push(left_out(&found, validities, outcome.config.run.max_order));
+    lines
+}
 
 /// The summary as text: report.txt.
 pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
@@ -139,6 +163,11 @@ pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
         }
         None => Vec::new(),
     };
+    if outcome.sample.is_some() && outcome.config.any_azimuth() {
+        notes.push(
+            "light falls from random azimuths, so that results are means over all directions of the surface; --light-azimuth fixed keeps them apart".to_owned(),
+        );
+    }
     if outcome.sample.is_none() {
         notes.extend(outcome.config.surface.erosion_notes());
     }

@@ -17,6 +17,7 @@ use crate::output::{Head, note_lines, wrapped};
 use crate::report::error::ReportError;
 use crate::report::figures::{height_map_figure, write_by_ending};
 use crate::report::views::Views;
+use crate::study::with_tables;
 
 /// The tables and figures of an inspected surface.
 pub struct InspectReport<'a> {
@@ -86,10 +87,9 @@ impl Inspection {
     #[must_use]
     pub fn text(&self) -> String {
         let (file, statistics) = (shown_path(&self.file), self.statistics.text());
-        wrapped(&format!(
-            "{file}: {statistics}{}",
-            note_lines(&self.statistics.notes)
-        ))
+        let notes = note_lines(&self.statistics.notes);
+        let tables = wrapped(&format!("{file}: {statistics}{notes}"));
+        with_tables(&self.statistics.headline(), &tables)
     }
 }
 
@@ -107,6 +107,7 @@ impl InspectReport<'_> {
 struct Summary<'a> {
     #[serde(flatten)]
     head: Head,
+    headline: Vec<String>,
     /// Parameters and whatever else is known of the surface.
     surface: &'a Statistics,
     /// Area of the plane of wave vectors that each wave of `psd.csv` stands for.
@@ -150,6 +151,7 @@ fn views<'a>() -> Views<'a, InspectReport<'a>> {
 fn summary<'a>(one: &InspectReport<'a>) -> Summary<'a> {
     Summary {
         head: Head::of("inspect"),
+        headline: one.inspection.statistics.headline(),
         surface: &one.inspection.statistics,
         wave_area: one.texture.wave_area,
         steeper: [0, 1].map(|axis| one.texture.slopes[axis].outside),

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::attenuation::ShadowShares;
 use crate::error::StudyError;
+use crate::output::significant;
 use crate::report::areal_parameters::areal_table;
 use crate::report::roughness::{realisation_table, roughness_table, smooth_table};
 
@@ -50,6 +51,28 @@ impl Statistics {
             shadows: ShadowShares::of(field, cells, lights)?,
             notes: Vec::new(),
         })
+    }
+
+    /// The answer in two lines: heights, slopes and correlation lengths.
+    pub(super) fn headline(&self) -> Vec<String> {
+        let r = &self.facets.roughness;
+        let length = |value: Option<f64>| {
+            value.map_or_else(
+                || "-".to_owned(),
+                |value| significant(value) + r.unit.suffix(),
+            )
+        };
+        let heights = [("Sq", r.sq), ("Sa", r.sa), ("Sz", r.sz)];
+        let heights = heights.map(|(name, height)| format!("{name} {}", length(Some(height))));
+        let [x, y] = [r.tau_x, r.tau_y].map(length);
+        vec![
+            format!(
+                "{}; root mean square gradient Sdq {}",
+                heights.join(", "),
+                significant(r.sdq)
+            ),
+            format!("correlation lengths (1/e): {x} along x, {y} along y"),
+        ]
     }
 
     /// Tables for people.

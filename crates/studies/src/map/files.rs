@@ -9,11 +9,12 @@ use super::interval::CellVerdict;
 use super::json::map_summary;
 use super::outcome::MapOutcome;
 use super::summary::{
-    cells_of, grooves, map_table, panels, place, roughness, roughness_name, smoothness, thetas,
+    cells_of, grooves, panels, place, roughness, roughness_name, smoothness, thetas,
 };
 use super::tables;
 use crate::report::effort::effort;
 use crate::report::views::Views;
+use crate::study::Findings;
 
 impl MapConfig {
     /// The files of the study.
@@ -27,7 +28,7 @@ impl MapConfig {
                 });
             }
         }
-        views.text("report.txt", |outcome| Some(map_table(outcome)));
+        views.text("report.txt", |outcome| Some(outcome.text()));
         views.json("summary.json", |outcome| Some(map_summary(outcome)));
         views
     }

@@ -8,11 +8,13 @@ use super::summary::{summarise, warnings};
 use super::tables;
 use crate::output::Head;
 use crate::report::config_json::config_json;
+use crate::study::Findings;
 
 /// The contents of summary.json.
 pub(super) fn map_summary(outcome: &MapOutcome) -> Value {
     let cells = outcome.cells().map(|cell| describe(outcome, cell));
     let mut summary = json!({
+        "headline": outcome.headline(),
         "seed": outcome.config.run.seed,
         "config": config_json(outcome.config, &outcome.config.run, &["max_time"]),
         "complete": outcome.missing() + outcome.cut_short == 0,

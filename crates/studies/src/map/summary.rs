@@ -4,12 +4,13 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use asperity_optics::Material;
-use asperity_simulate::{Case, Coordinate, GGX_ALPHA, short};
+use asperity_simulate::{Case, Coordinate, GGX_ALPHA, counted, short};
 use serde::Serialize;
 
 use super::cell::{CellResults, ComparedLight, FEWEST_SURFACES};
 use super::interval::CellVerdict;
 use super::outcome::MapOutcome;
+use crate::headline::{fitted, percent};
 use crate::output::{Column, Table, cut_short, wrapped};
 use crate::report::energies::more_rays_warning;
 use crate::validity::{first_warning, note_of_several, wavelength_warnings};
@@ -168,6 +169,55 @@ pub(super) fn grooves(outcome: &MapOutcome) -> Option<String> {
         short(azimuth.to_degrees()),
         short(second / first)
     ))
+}
+
+/// Headline: the cells in which each model holds, the tolerances, and cells that are not resolved.
+pub(super) fn headline(outcome: &MapOutcome<'_>) -> Vec<String> {
+    let tolerances = &outcome.config.map;
+    let cells = outcome.found().count();
+    let summaries = summarise(outcome);
+    let mut lines = vec![format!(
+        "of {} these are within {} (total variation, energy) and {} deg (peaks):",
+        counted(cells as u64, "cell"),
+        match tolerances.total_variation.0 == tolerances.energy.0 {
+            true => percent(tolerances.energy.0),
+            false => format!(
+                "{} and {}",
+                percent(tolerances.total_variation.0),
+                percent(tolerances.energy.0)
+            ),
+        },
+        short(tolerances.peak.0),
+    )];
+    let mut open = 0;
+    for light in ComparedLight::BOTH {
+        let count = |model: &String| {
+            let of = summaries
+                .iter()
+                .filter(|one| one.light == light && one.model == *model);
+            let [within, _, not_resolved] =
+                of.fold([0; 3], |sum, one| [0, 1, 2].map(|i| sum[i] + one.cells[i]));
+            open += not_resolved;
+            (within, model.clone())
+        };
+        let mut models: Vec<(usize, String)> =
+            outcome.config.compare.models.iter().map(count).collect();
+        models.sort_by_key(|(within, _)| std::cmp::Reverse(*within));
+        let parts: Vec<String> = models
+            .into_iter()
+            .map(|(within, model)| format!("{model} {within}"))
+            .collect();
+        let before = match light {
+            ComparedLight::Own => "against the light that each describes: ",
+            ComparedLight::All => "against all light: ",
+        };
+        lines.push(fitted(before, &parts, ""));
+    }
+    lines.push(format!(
+        "by 95 % intervals of each measure and cell; {} not resolved",
+        counted(open as u64, "verdict")
+    ));
+    lines
 }
 
 /// The summary as text: report.txt.

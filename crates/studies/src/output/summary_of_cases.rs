@@ -10,6 +10,8 @@ use super::head::Head;
 pub(crate) struct SummaryOfCases<C, S> {
     #[serde(flatten)]
     pub(crate) head: Head,
+    /// The answer in at most five lines.
+    pub(crate) headline: Vec<String>,
     pub(crate) seed: u64,
     pub(crate) config: C,
     pub(crate) cases: Vec<CaseInFolder<S>>,

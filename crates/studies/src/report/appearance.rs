@@ -10,8 +10,10 @@ use asperity_tally::{Component, Estimate, Side, TallyResult};
 use serde_json::{Map, Value, json};
 
 use crate::config::Coherent;
+use crate::headline::fitted;
 use crate::output::{
-    Cell, Column, EstimateWithLimit, Table, case_columns, incidence_columns, with_error, wrapped,
+    Cell, Column, EstimateWithLimit, Table, case_columns, incidence_columns, significant,
+    with_error, wrapped,
 };
 use crate::report::aperture_light::{Parts, entry};
 use crate::report::flux_basis::FluxBasis;
@@ -298,13 +300,12 @@ pub(crate) fn appearance_text(sample: SampleLight<'_>) -> String {
         return String::new();
     }
     let has_coherent = rows.iter().any(|row| row.reading.together.is_some());
-    let rays = if has_coherent { "by rays" } else { "" };
     let table = Table::new()
         .column(Column::new("appearance", "", |row: &Row<'_>| {
             let is_coherent = row.reading.together.is_some();
             row.quantity.label(is_coherent)
         }))
-        .column(Column::new(rays, "", |row: &Row<'_>| {
+        .column(Column::new("by rays", "", |row: &Row<'_>| {
             row.reading.rays.text()
         }));
     let coherent = has_coherent.then(|| {
@@ -319,6 +320,27 @@ pub(crate) fn appearance_text(sample: SampleLight<'_>) -> String {
     });
     let note = coherent_note([sample]).map_or_else(String::new, |note| note + "\n");
     table.columns(coherent.into_iter().flatten()).text(rows) + &note
+}
+
+/// Relative difference of readings below which a headline tells one of them.
+const SAME: f64 = 0.01;
+
+/// Haze, clarity and gloss in a line, as far as they are defined; `None` without haze.
+pub(crate) fn appearance_line(sample: SampleLight<'_>) -> Option<String> {
+    Quantity::Haze.of(&sample)?;
+    let reading = |quantity: Quantity| {
+        let reading = quantity.of(&sample)?;
+        let (name, rays) = (quantity.name(), reading.rays.estimate().mean);
+        let best = reading.best().estimate().mean;
+        let other = match (best - rays).abs() <= SAME * rays.abs() {
+            true => String::new(),
+            false => format!(" ({} by rays alone)", significant(rays)),
+        };
+        Some(format!("{name} {}{other}", significant(best)))
+    };
+    let all = [Quantity::Haze, Quantity::Clarity, Quantity::Gloss];
+    let parts: Vec<String> = all.into_iter().filter_map(reading).collect();
+    Some(fitted("", &parts, ""))
 }
 
 /// A number to three digits.

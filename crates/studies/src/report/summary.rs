@@ -56,6 +56,8 @@ struct Inside {
 pub struct Summary {
     #[serde(flatten)]
     head: Head,
+    /// The answer in at most five lines.
+    pub(crate) headline: Vec<String>,
     /// Surface, material and light in words.
     label: String,
     config: serde_json::Value,
@@ -126,7 +128,7 @@ fn side_by_side<S: Serializer>(work: &SummaryWork, serializer: S) -> Result<S::O
 }
 
 impl Summary {
-    /// Summary of an outcome, without comparison, appearance, columns, lobes, warnings and validity.
+    /// Summary of an outcome, without headline, comparison, appearance, columns, lobes, warnings and validity.
     #[must_use]
     pub(crate) fn new(
         command: &'static str,
@@ -148,6 +150,7 @@ impl Summary {
         let budget = statistics.budget();
         Self {
             head: Head::of(command),
+            headline: Vec::new(),
             label: outcome.case.label(),
             config,
             seed: outcome.seed,

@@ -3,23 +3,33 @@
 use std::fmt::Write;
 
 use asperity_simulate::short;
-use asperity_tally::{Component, Estimate, Side};
+use asperity_tally::{Component, Side};
 
 use super::comparison::{Slopes, TraceComparison};
 use super::outcome::TraceOutcome;
 use crate::comparison::compared::{COMPARED, key};
 use crate::comparison::conclusion::conclusion;
 use crate::comparison::models::ModelOutcome;
+use crate::headline::relative;
 use crate::output::{Column, Table, with_error, wrapped};
 use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::recorded_orders;
 
-/// Slopes and regions, fluxes next to those of the models, and the tests.
-pub(super) fn comparison_text(outcome: &TraceOutcome, comparison: &TraceComparison) -> String {
+/// Slopes and regions, fluxes next to those of the models, and the conclusion of the tests.
+pub(super) fn comparison_text(comparison: &TraceComparison) -> String {
+    format!(
+        "\n{}\n\n{}\n{}\n",
+        wrapped(&slopes_line(comparison)),
+        flux_table(comparison),
+        conclusion(&comparison.judgement)
+    )
+}
+
+/// The tests of the models.
+pub(super) fn distributions_text(outcome: &TraceOutcome, comparison: &TraceComparison) -> String {
     let compared = &comparison.judgement;
     let orders = recorded_orders(outcome.study.config.run.max_order);
-    let mut out = format!("\n{}\n\n", wrapped(&slopes_line(comparison)));
-    out.push_str(&flux_table(comparison));
+    let mut out = String::new();
     for component in COMPARED {
         let table = distribution_table(compared, component, &orders);
         if !table.is_empty() {
@@ -29,7 +39,6 @@ pub(super) fn comparison_text(outcome: &TraceOutcome, comparison: &TraceComparis
     for line in sampled_models(compared) {
         let _ = writeln!(out, "  {line}");
     }
-    let _ = writeln!(out, "\n{}", conclusion(compared));
     out
 }
 
@@ -93,15 +102,17 @@ fn flux_table(comparison: &TraceComparison) -> String {
         .text(rows.collect::<Vec<_>>())
 }
 
-/// The flux that a model expects, and the difference in standard errors.
+/// The flux that a model expects, and how far that is from the explicit one.
 fn of_model(model: &ModelOutcome, row: &Row) -> Option<String> {
     if !(model.describes(row.component) && model.model.sides().includes(row.side)) {
         return None;
     }
     let compared = model.compared(row.component)?;
     let side = compared.sides.iter().find(|side| side.side == row.side)?;
-    let Estimate { mean, se } = side.difference;
-    let z = se.filter(|se| *se > 0.0).map(|se| mean / se);
-    let z = z.map_or_else(String::new, |z| format!(" (z {z:+.1})"));
-    Some(format!("{}{z}", short(side.model)))
+    let explicit = side.model + side.difference.mean;
+    Some(format!(
+        "{}{}",
+        short(side.model),
+        relative(side.model, explicit)
+    ))
 }

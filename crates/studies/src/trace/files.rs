@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::absorbed::{add_absorbed_map, describe_absorbed_map};
 use super::comparison::TraceComparison;
 use super::light_paths::{paths_figure, paths_table};
-use super::outcome::{TraceOutcome, TraceOutcomes};
+use super::outcome::{TraceOutcome, TraceOutcomes, headline_of};
 use super::plan::PlannedTrace;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
@@ -19,6 +19,7 @@ use crate::report::shown_case::ShownCase;
 use crate::report::spectrum_views::{add_spectra, columns_of_all, has_spectra};
 use crate::report::summary::Summary;
 use crate::report::views::{Views, case_folders};
+use crate::study::Findings;
 
 impl TraceConfig {
     /// The files of traced surfaces.
@@ -77,6 +78,7 @@ impl TraceConfig {
         views.csv("appearance.csv", |found| {
             appearance_table(found.sample_lights())
         });
+        views.text("report.txt", |found| Some(found.text()));
         views.json("summary.json", |found| Some(traces_summary(found)));
         Ok(views)
     }
@@ -109,6 +111,7 @@ pub(super) fn traces_summary(found: &TraceOutcomes) -> Value {
         head: Head::of("trace"),
         seed: config.run.seed,
         config: config_json(config, &config.run, &[]),
+        headline: found.headline(),
         cases: cases.collect(),
         columns: columns_of_all(found.planned, &found.outcomes(), found.sample_lights()),
         seconds: found.seconds,
@@ -124,6 +127,7 @@ fn trace_summary(outcome: &TraceOutcome) -> Summary {
         figures: false,
     };
     let mut summary = Summary::new("trace", config, outcome.outcome, outcome.stopping());
+    summary.headline = headline_of(std::slice::from_ref(outcome));
     summary.comparison = outcome.comparison.as_ref().map(TraceComparison::to_json);
     summary.columns = tables.columns(outcome.shown());
     describe_appearance(&mut summary.columns, [outcome.sample_light()]);

@@ -6,6 +6,7 @@ use asperity_tally::TallySpec;
 use super::comparison::TraceComparison;
 use super::plan::PlannedTrace;
 use crate::config::lobes::BinnedLobe;
+use crate::headline::{CaseLight, of_light};
 use crate::report::appearance::SampleLight;
 use crate::report::energies::{lost_warning, more_rays_warning};
 
@@ -33,6 +34,18 @@ impl<'a> TraceOutcomes<'a> {
     pub(super) fn case(&self, number: usize) -> Option<&TraceOutcome<'a>> {
         self.each.iter().find(|one| one.outcome.number == number)
     }
+}
+
+/// Headline of some cases, of which there is at least one.
+pub(super) fn headline_of(each: &[TraceOutcome<'_>]) -> Vec<String> {
+    let cases = each.iter().map(|one| CaseLight {
+        outcome: one.outcome,
+        judgement: one.comparison.as_ref().map(|of| &of.judgement),
+        validity: one.study.validity,
+        sample: one.sample_light(),
+    });
+    let cases: Vec<CaseLight<'_>> = cases.collect();
+    of_light(&cases, each[0].study.config.run.max_order)
 }
 
 /// Results of one case on given surfaces.

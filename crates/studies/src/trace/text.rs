@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use asperity_simulate::{Case, CaseGroup};
 
-use super::comparison_text::comparison_text;
+use super::comparison_text::{comparison_text, distributions_text};
 use super::outcome::{TraceOutcome, TraceOutcomes};
 use crate::output::wrapped;
 use crate::report::appearance::appearance_text;
-use crate::report::energies::{energy_table, errors_table, work_line};
+use crate::report::energies::{energy_table, errors_table};
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
 use crate::report::spectrum_views::spectra_text;
@@ -35,20 +35,16 @@ fn trace_table(outcome: &TraceOutcome) -> String {
     let validity = outcome.study.validity;
     let first_lines = validity.and_then(|validity| validity.first_lines(&found.statistics));
     let mut text = format!(
-        "{}, {}\n{}flux fractions; standard errors from {} {}\n{}{}{}{}{}\n",
+        "{}, {}\n{}flux fractions; standard errors from {} {}\n{}",
         outcome.study.name,
         light_line(&found.case),
         first_lines.map_or_else(String::new, |line| line + "\n"),
         found.statistics.batches(),
         found.errors_from,
         energy_table(&found.statistics, &FluxBasis::of(found)),
-        appearance_text(outcome.sample_light()),
-        polarised_text(&found.statistics),
-        errors_table(&found.errors),
-        work_line(&found.work),
     );
     if let Some(comparison) = &outcome.comparison {
-        text.push_str(&comparison_text(outcome, comparison));
+        text.push_str(&comparison_text(comparison));
     }
     if let Some(line) = outcome
         .stopping()
@@ -61,6 +57,16 @@ fn trace_table(outcome: &TraceOutcome) -> String {
     }
     for warning in outcome.warnings() {
         let _ = writeln!(text, "note: {warning}");
+    }
+    let _ = write!(
+        text,
+        "\n{}{}{}",
+        appearance_text(outcome.sample_light()),
+        polarised_text(&found.statistics),
+        errors_table(&found.errors),
+    );
+    if let Some(comparison) = &outcome.comparison {
+        text.push_str(&distributions_text(outcome, comparison));
     }
     wrapped(&text)
 }

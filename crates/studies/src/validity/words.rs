@@ -40,6 +40,13 @@ impl Validity {
         (all > 0.0).then(|| [coherent, coherent / all])
     }
 
+    /// Largest coherent fraction of the light of a side.
+    pub(crate) fn most_coherent(&self, statistics: &TallyStatistics) -> f64 {
+        let sides = statistics.spec().sides();
+        let shares = sides.filter_map(|side| Some(self.coherent(statistics, side)?[1]));
+        shares.fold(0.0, f64::max)
+    }
+
     /// The first lines of a report: light that is coherent, per side, where that is more than a hundredth.
     pub(crate) fn first_lines(&self, statistics: &TallyStatistics) -> Option<String> {
         let recorded = statistics.spec().sides();

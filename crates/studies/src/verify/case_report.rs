@@ -18,6 +18,7 @@ use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
 use crate::config::lobes::BinnedLobe;
+use crate::headline::relative;
 use crate::output::{Column, EstimateWithLimit, Format, TEXT_WIDTH, Table, distance, wrapped};
 use crate::report::appearance::{appearance_text, coherent_warning};
 use crate::report::distribution_table::{distribution_table, sampled_models};
@@ -110,12 +111,13 @@ pub(super) fn verify_table(outcome: &VerifyOutcome) -> String {
         return wrapped(&text);
     }
     let mut out = String::new();
+    if is_judged && outcome.cases.len() > 1 {
+        out.push_str(&overview(outcome));
+        out.push('\n');
+    }
     for case in &outcome.cases {
         out.push_str(&case_table(outcome, case));
         out.push('\n');
-    }
-    if is_judged && outcome.cases.len() > 1 {
-        out.push_str(&overview(outcome));
     }
     out
 }
@@ -160,6 +162,15 @@ pub(super) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Strin
     out.push('\n');
 
     out.push_str(&flux_table(case));
+    if !case.models.is_empty() {
+        let _ = writeln!(out, "\n{}", conclusion(case));
+    }
+    if let Some(note) = validity.and_then(|validity| validity.note()) {
+        let _ = writeln!(out, "{}", wrapped(&format!("note: {note}")));
+    }
+    for warning in warnings(outcome, case) {
+        let _ = writeln!(out, "warning: {warning}");
+    }
     out.push('\n');
     out.push_str(&errors_table(&case.outcome.errors));
     for line in case
@@ -171,12 +182,6 @@ pub(super) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Strin
     }
     out.push_str(&appearance_text(outcome.sample_light(case)));
     out.push_str(&polarised_text(&case.outcome.statistics));
-    if let Some(note) = validity.and_then(|validity| validity.note()) {
-        let _ = writeln!(out, "{}", wrapped(&format!("note: {note}")));
-    }
-    for warning in warnings(outcome, case) {
-        let _ = writeln!(out, "warning: {warning}");
-    }
     out.push_str(&averaging_lines(case));
     if !case.models.is_empty() {
         for component in COMPARED {
@@ -188,7 +193,6 @@ pub(super) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Strin
         for line in sampled_models(case) {
             let _ = writeln!(out, "  {line}");
         }
-        let _ = writeln!(out, "\n{}", conclusion(case));
     }
     wrapped(&out)
 }
@@ -308,7 +312,7 @@ fn components(spec: &TallySpec) -> impl Iterator<Item = (Cow<'static, str>, Comp
     all.map(move |component| (name(component), component))
 }
 
-/// The flux that a model expects, and its distance from the explicit one in standard errors of the difference.
+/// The flux that a model expects, and how far that is from the explicit one.
 fn model_flux(
     model: &ModelOutcome,
     side: Side,
@@ -321,14 +325,14 @@ fn model_flux(
     if !model.model.sides().includes(side) {
         return "-".to_owned();
     }
+    let off = relative(energy.mean, explicit.mean);
     let se = explicit.se.map(|se| hypot(se, energy.se.unwrap_or(0.0)));
     match se {
         Some(se) if se > 0.0 => {
             let digits = (1 - log10(se).floor() as i32).clamp(0, 12) as usize;
-            let z = (explicit.mean - energy.mean) / se;
-            format!("{:.digits$} (z {z:+.1})", energy.mean)
+            format!("{:.digits$}{off}", energy.mean)
         }
-        _ => short(energy.mean),
+        _ => format!("{}{off}", short(energy.mean)),
     }
 }
 

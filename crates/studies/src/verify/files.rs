@@ -4,7 +4,7 @@ use asperity_simulate::{Case, Observer, SimulateError, SurfaceSource, counted};
 use asperity_synthesis::SynthesisError;
 use serde_json::{Value, json};
 
-use super::case_report::{case_table, verify_table, warnings};
+use super::case_report::{case_table, warnings};
 use super::outcome::VerifyOutcome;
 use crate::comparison::json::ComparisonJson;
 use crate::comparison::judgement::Judgement;
@@ -20,6 +20,7 @@ use crate::report::shown_case::ShownCase;
 use crate::report::spectrum_views::{add_spectra, columns_of_all, has_spectra};
 use crate::report::summary::Summary;
 use crate::report::views::{Views, case_folders};
+use crate::study::{Findings, with_tables};
 
 impl VerifyConfig {
     /// The files of every case, in folders of their own where there are several, with a report and a summary of all.
@@ -41,7 +42,7 @@ impl VerifyConfig {
                 Some(outcome.shown(outcome.case(number)?))
             });
             views.text(format!("{folder}report.txt"), move |outcome| {
-                Some(case_table(outcome, outcome.case(number)?))
+                Some(outcome.case_text(outcome.case(number)?))
             });
             if cases.len() > 1 {
                 views.json(format!("{folder}summary.json"), move |outcome| {
@@ -57,7 +58,7 @@ impl VerifyConfig {
             });
         }
         if cases.len() > 1 {
-            views.text("report.txt", |outcome| Some(verify_table(outcome)));
+            views.text("report.txt", |outcome| Some(outcome.text()));
         }
         add_spectra(&mut views, cases, self.output.plots, |outcome| {
             outcome.outcomes()
@@ -122,6 +123,12 @@ impl VerifyOutcome<'_> {
         cases.find(|case| case.outcome.number == number)
     }
 
+    /// Headline and tables of a case: report.txt.
+    fn case_text(&self, case: &Judgement<'_>) -> String {
+        let headline = self.headline_of(std::slice::from_ref(case));
+        with_tables(&headline, &case_table(self, case))
+    }
+
     /// A case as its tables and figures show it.
     fn shown<'b>(&self, case: &'b Judgement<'b>) -> ShownCase<'b> {
         ShownCase {
@@ -148,6 +155,7 @@ pub(super) fn verify_summary(outcome: &VerifyOutcome) -> Value {
         head: Head::of("verify"),
         seed: outcome.config.run.seed,
         config: config(outcome),
+        headline: outcome.headline(),
         cases: cases.collect(),
         columns: columns_of_all(
             &outcome.plan.cases,
@@ -167,6 +175,7 @@ fn case_summary(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Summary {
         figures: false,
     };
     let mut summary = Summary::new("verify", config, case.outcome, outcome.stopping(case));
+    summary.headline = outcome.headline_of(std::slice::from_ref(case));
     summary.comparison = Some(json!(ComparisonJson::of(case)));
     summary.columns = tables.columns(outcome.shown(case));
     describe_appearance(&mut summary.columns, [outcome.sample_light(case)]);

@@ -6,6 +6,7 @@ use asperity_simulate::{Outcome, StoppedBy, Stopping};
 use super::plan::Plan;
 use crate::comparison::judgement::Judgement;
 use crate::config::VerifyConfig;
+use crate::headline::{CaseLight, of_light};
 use crate::report::appearance::SampleLight;
 use crate::validity::Validity;
 
@@ -66,6 +67,18 @@ impl<'a> VerifyOutcome<'a> {
     /// All cases as such samples.
     pub(crate) fn sample_lights(&self) -> impl Iterator<Item = SampleLight<'_>> {
         self.cases.iter().map(|case| self.sample_light(case))
+    }
+
+    /// Headline of some of the cases.
+    pub(super) fn headline_of(&self, cases: &[Judgement<'_>]) -> Vec<String> {
+        let cases = cases.iter().map(|case| CaseLight {
+            outcome: case.outcome,
+            judgement: Some(case),
+            validity: self.validity(case),
+            sample: self.sample_light(case),
+        });
+        let cases: Vec<CaseLight<'_>> = cases.collect();
+        of_light(&cases, self.config.run.max_order)
     }
 
     /// Number of cases that an interrupt came before.

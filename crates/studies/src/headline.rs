@@ -1,0 +1,322 @@
+//! Headline: the first lines of a result. How much light leaves, which model holds within what, how sure that is, and what is left out.
+//!
+//! The same lines begin the printed text and report.txt, and are the key `headline` of summary.json, which pages show.
+
+use asperity_simulate::{Outcome, counted};
+use asperity_tally::{Component, Side, TallyResult};
+use asperity_tracer::PathSettings;
+
+use crate::comparison::judgement::Judgement;
+use crate::output::{EstimateWithLimit, TEXT_WIDTH, significant};
+use crate::report::appearance::{SampleLight, appearance_line};
+use crate::report::flux_basis::FluxBasis;
+use crate::validity::Validity;
+
+/// Least fraction of the light whose truncation a headline tells.
+const MIN_TRUNCATED: f64 = 1e-5;
+
+/// Light of one case, with what a headline tells of it.
+pub(crate) struct CaseLight<'a> {
+    pub(crate) outcome: &'a Outcome,
+    /// Comparison with models, if there is one.
+    pub(crate) judgement: Option<&'a Judgement<'a>>,
+    /// Lengths against the wavelength; `None` if their unit is not known.
+    pub(crate) validity: Option<Validity>,
+    pub(crate) sample: SampleLight<'a>,
+}
+
+/// Headline of cases that are traced, and compared with models if they have any.
+pub(crate) fn of_light(cases: &[CaseLight<'_>], max_order: u32) -> Vec<String> {
+    let outcomes: Vec<&Outcome> = cases.iter().map(|case| case.outcome).collect();
+    let mut lines: Vec<String> = light_line(&outcomes).into_iter().collect();
+    let appearance = match cases {
+        [one] => appearance_line(one.sample),
+        _ => None,
+    };
+    let has_appearance = appearance.is_some();
+    lines.extend(appearance);
+    let all = model_line(cases, Component::All);
+    let explained = all.as_ref().map(|(_, distance)| explanation(*distance));
+    let single = (all.is_some() && !has_appearance).then(|| model_line(cases, Component::Single));
+    lines.extend(
+        all.into_iter()
+            .chain(single.flatten())
+            .map(|(line, _)| line),
+    );
+    let errors = errors_line(&outcomes).into_iter();
+    lines.extend(match explained {
+        Some(text) => errors
+            .map(|errors| format!("{text}; {}", errors.replace("standard ", "")))
+            .next(),
+        None => errors.last(),
+    });
+    let validities = cases.iter().map(|case| case.validity);
+    lines.push(left_out(&outcomes, validities, max_order));
+    lines
+}
+
+/// Line with the fractions of the light that leave and that are absorbed; ranges of several cases. `None` without results.
+pub(crate) fn light_line(outcomes: &[&Outcome]) -> Option<String> {
+    let first = outcomes.first()?;
+    let of_side = |side: Side| {
+        let flux = move |one: &&Outcome| {
+            let flux = one.statistics.flux(side, Component::All);
+            FluxBasis::of(one).flux(side, flux)
+        };
+        (
+            side.to_string(),
+            outcomes.iter().map(flux).collect::<Vec<_>>(),
+        )
+    };
+    let absorbed = |one: &&Outcome| FluxBasis::of(one).absorbed(one.statistics.budget().absorbed);
+    let absorbed = (
+        "absorbed".to_owned(),
+        outcomes.iter().map(absorbed).collect(),
+    );
+    let parts = first
+        .statistics
+        .spec()
+        .sides()
+        .map(of_side)
+        .chain([absorbed]);
+    let parts: Vec<(String, Vec<EstimateWithLimit>)> = parts
+        .filter(|(_, fluxes)| fluxes.iter().any(|one| one.estimate().mean > 0.0))
+        .collect();
+    let cases = match outcomes.len() {
+        1 => String::new(),
+        several => format!(" in {}", counted(several as u64, "case")),
+    };
+    let line = |text: fn(&[EstimateWithLimit]) -> String| {
+        let parts = parts
+            .iter()
+            .map(|(name, fluxes)| format!("{name} {}", text(fluxes)));
+        format!(
+            "{} of the light{cases}",
+            parts.collect::<Vec<_>>().join(", ")
+        )
+    };
+    let with_errors = line(|fluxes| match fluxes {
+        [one] => one.text(),
+        several => range_of(several),
+    });
+    // Three numbers with small errors are too long for a line.
+    Some(match with_errors.chars().count() <= TEXT_WIDTH {
+        true => with_errors,
+        false => line(range_of),
+    })
+}
+
+/// Smallest and largest mean of estimates, once if they are one.
+fn range_of(estimates: &[EstimateWithLimit]) -> String {
+    let means = estimates.iter().map(|one| one.estimate().mean);
+    match range(means) {
+        Some([low, high]) if low == high => low,
+        Some([low, high]) => format!("{low} to {high}"),
+        None => "-".to_owned(),
+    }
+}
+
+/// Smallest and largest finite number, to three digits; `None` without any.
+pub(crate) fn range(numbers: impl Iterator<Item = f64>) -> Option<[String; 2]> {
+    let mut numbers: Vec<f64> = numbers.filter(|number| number.is_finite()).collect();
+    numbers.sort_by(f64::total_cmp);
+    Some([numbers.first()?, numbers.last()?].map(|number| significant(*number)))
+}
+
+/// Line that says how far models are from a component of the light at most in any case, the nearest first, and the distance of the nearest; `None`
+/// if no model is compared with it.
+fn model_line(cases: &[CaseLight<'_>], component: Component) -> Option<(String, f64)> {
+    let mut models: Vec<(&str, f64)> = Vec::new();
+    for model in cases
+        .iter()
+        .filter_map(|case| case.judgement)
+        .flat_map(|one| &one.models)
+    {
+        let Some(compared) = model.compared(component) else {
+            continue;
+        };
+        // All light is compared with every model, whatever it leaves out
+        if component != Component::All && !model.describes(component) {
+            continue;
+        }
+        // By the triangle inequality the truth is no further away, in 95 of 100 cases
+        let found = &compared.comparison.total_variation;
+        let bound = found.observed + found.noise_95.unwrap_or(0.0);
+        match models
+            .iter_mut()
+            .find(|(name, _)| *name == model.model.name())
+        {
+            Some((_, most)) => *most = most.max(bound),
+            None => models.push((model.model.name(), bound)),
+        }
+    }
+    models.sort_by(|(_, a), (_, b)| a.total_cmp(b));
+    let (_, nearest) = *models.first()?;
+    let parts: Vec<String> = models
+        .iter()
+        .map(|(name, bound)| format!("{name} {}", percent(*bound)))
+        .collect();
+    let light = match component {
+        Component::All => "of all light, models hold within: ",
+        _ => "of single scattering: ",
+    };
+    Some((fitted(light, &parts, ""), nearest))
+}
+
+/// Meaning of a total variation distance.
+fn explanation(distance: f64) -> String {
+    let of = (0..).map(|k| 10_u64.pow(k + 2)).take(7);
+    let of = of
+        .clone()
+        .find(|of| *of as f64 * distance >= 1.95)
+        .unwrap_or(100);
+    let rays = (of as f64 * distance).round();
+    format!(
+        "total variation {}: {rays} of {of} rays go elsewhere",
+        percent(distance)
+    )
+}
+
+/// Clause on the standard errors; `None` without results.
+pub(crate) fn errors_line(outcomes: &[&Outcome]) -> Option<String> {
+    let batches = outcomes.iter().map(|one| one.statistics.batches());
+    let (fewest, most) = (batches.clone().min()?, batches.max()?);
+    let batches = match fewest == most {
+        true => fewest.to_string(),
+        false => format!("{fewest} to {most}"),
+    };
+    Some(format!(
+        "standard errors from {batches} {}",
+        outcomes[0].errors_from
+    ))
+}
+
+/// Line on what the results leave out: diffraction, coherent light, mesh errors, and paths that were truncated or lost.
+pub(crate) fn left_out(
+    outcomes: &[&Outcome],
+    validities: impl Iterator<Item = Option<Validity>>,
+    max_order: u32,
+) -> String {
+    let judged: Vec<Option<Validity>> = validities.collect();
+    let known = || judged.iter().copied().flatten();
+    let coherent = outcomes.iter().zip(&judged);
+    let coherent = coherent
+        .filter_map(|(one, validity)| Some(validity.as_ref()?.most_coherent(&one.statistics)));
+    let coherent = coherent.fold(0.0, f64::max);
+    let doubtful = known().filter(|one| one.holds == Some(false)).count();
+    let mut parts = vec![match doubtful {
+        _ if known().next().is_none() => "diffraction (no unit of length is given)".to_owned(),
+        0 => "diffraction, negligible here".to_owned(),
+        _ if coherent > 0.01 => format!(
+            "diffraction, which matters: up to {} of a side is coherent",
+            percent(coherent)
+        ),
+        _ => "diffraction, which matters: lengths are not large against the wavelength".to_owned(),
+    }];
+    let most = |of: fn(&Outcome) -> f64| outcomes.iter().map(|one| of(one)).fold(0.0, f64::max);
+    let lost = most(|one| one.statistics.budget().lost.mean);
+    if lost > 0.0 {
+        parts.push(format!("{} lost", percent(lost)));
+    }
+    let truncated = most(|one| one.statistics.budget().truncated.mean);
+    if truncated > MIN_TRUNCATED {
+        parts.push(format!("{} truncated", percent(truncated)));
+    }
+    if max_order < PathSettings::DEFAULT_MAX_ORDER {
+        parts.push(format!("orders above {max_order}"));
+    }
+    let has_mesh_error = |one: &&&Outcome| {
+        let mut sides = one.statistics.spec().sides();
+        sides.any(|side| one.errors.flux(side, Component::All).mesh.is_none())
+    };
+    if outcomes.iter().any(|one| has_mesh_error(&one)) {
+        parts.push("mesh error".to_owned());
+    }
+    fitted("left out: ", &parts, "")
+}
+
+/// A fraction in percent, to two digits.
+pub(crate) fn percent(fraction: f64) -> String {
+    let percent = 100.0 * fraction;
+    if percent == 0.0 {
+        return "0 %".to_owned();
+    }
+    // Of the rounded number
+    let rounded = format!("{percent:.1e}");
+    let exponent: Option<i32> = rounded
+        .rsplit('e')
+        .next()
+        .and_then(|text| text.parse().ok());
+    match (1 - exponent.unwrap_or(0)).max(0) {
+        digits @ 0..6 => format!("{percent:.0$} %", digits as usize),
+        _ => format!("{rounded} %"),
+    }
+}
+
+/// A model's flux less the explicit one, in percent of the explicit one, in brackets; nothing where no light is.
+pub(crate) fn relative(model: f64, explicit: f64) -> String {
+    if explicit <= 0.0 {
+        return String::new();
+    }
+    let off = model / explicit - 1.0;
+    let sign = if off > 0.0 { "+" } else { "" };
+    format!(" ({sign}{})", percent(off))
+}
+
+/// As many of `parts` as fit into a line between `before` and `after`, at least one.
+pub(crate) fn fitted(before: &str, parts: &[String], after: &str) -> String {
+    const MORE: &str = ", ...";
+    let mut line = before.to_owned();
+    for (i, part) in parts.iter().enumerate() {
+        let comma = if i == 0 { "" } else { ", " };
+        let is_last = i + 1 == parts.len();
+        let needed = comma.len() + part.len() + after.len() + if is_last { 0 } else { MORE.len() };
+        if i > 0 && line.chars().count() + needed > TEXT_WIDTH {
+            line.push_str(MORE);
+            break;
+        }
+        line.push_str(comma);
+        line.push_str(part);
+    }
+    line + after
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentages_have_two_digits() {
+        let text = [0.0, 0.001_62, 0.552, 1.0, 3.96e-7, 2e-9].map(percent);
+        assert_eq!(relative(0.85, 1.0), " (-15 %)");
+        assert_eq!(relative(1.001, 1.0), " (+0.10 %)");
+        assert_eq!(relative(1.0, 0.0), "");
+        assert_eq!(
+            text,
+            ["0 %", "0.16 %", "55 %", "100 %", "0.000040 %", "2.0e-7 %"]
+        );
+    }
+
+    #[test]
+    fn a_distance_is_explained_by_rays() {
+        let text = [0.0019, 0.021, 0.4, 3e-6].map(explanation);
+        let expected = [
+            "total variation 0.19 %: 19 of 10000 rays go elsewhere",
+            "total variation 2.1 %: 2 of 100 rays go elsewhere",
+            "total variation 40 %: 40 of 100 rays go elsewhere",
+            "total variation 0.00030 %: 3 of 1000000 rays go elsewhere",
+        ];
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn a_line_holds_as_many_parts_as_fit() {
+        let parts: Vec<String> = (0..30).map(|i| format!("part {i}")).collect();
+        let line = fitted("all: ", &parts, " of it");
+        assert!(
+            line.len() <= TEXT_WIDTH && line.ends_with(", ... of it"),
+            "{line}"
+        );
+        assert_eq!(fitted("", &parts[..2], "."), "part 0, part 1.");
+    }
+}
