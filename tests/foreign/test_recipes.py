@@ -54,12 +54,12 @@ def check_energy(names):
 
 
 CHECKS = {
-    "Rough glass into Mitsuba": check_glass,
-    "Rough metal into Mitsuba and pbrt": check_gold,
-    "Film into WINDOW and Radiance": check_film,
-    "NetCDF in xarray": check_netcdf,
-    "NumPy without a library": check_numpy,
-    "Energy compensation of rough glass": check_energy,
+    "How do I use measured rough glass in Mitsuba or pbrt?": check_glass,
+    "How do I use measured rough metal in Mitsuba or pbrt?": check_gold,
+    "How do I make a Klems matrix of a film for WINDOW or Radiance?": check_film,
+    "How do I read a BRDF in xarray, as NetCDF?": check_netcdf,
+    "How do I read a BRDF as NumPy arrays?": check_numpy,
+    "How do I compensate the energy that microfacet models lose without multiple scattering?": check_energy,
 }
 
 
