@@ -43,12 +43,10 @@ pub(crate) fn of_light(cases: &[CaseLight<'_>], max_order: u32) -> Vec<String> {
             .chain(single.flatten())
             .map(|(line, _)| line),
     );
-    let errors = errors_line(&outcomes).into_iter();
+    let errors = errors_line(&outcomes);
     lines.extend(match explained {
-        Some(text) => errors
-            .map(|errors| format!("{text}; {}", errors.replace("standard ", "")))
-            .next(),
-        None => errors.last(),
+        Some(text) => errors.map(|errors| format!("{text}; {}", errors.replace("standard ", ""))),
+        None => errors,
     });
     let validities = cases.iter().map(|case| case.validity);
     lines.push(left_out(&outcomes, validities, max_order));
