@@ -15,8 +15,8 @@ fn every_study_begins_with_the_answer() {
             "standard errors from 64 ray blocks",
         ),
         (
-            "trace h.exr --rays 1e4 --theta 0,60 --no-plots",
-            "of the light in 2 cases",
+            "trace h.exr --rays 1e4 --material gold --wavelength 500:600:50nm --no-plots",
+            "of the light in 3 cases",
         ),
         (
             "trace h.exr --rays 1e4 --assume-unit um --wavelength 550nm --thickness 50um --theta 0 --no-plots",
@@ -24,7 +24,7 @@ fn every_study_begins_with_the_answer() {
         ),
         (
             "trace h.exr --rays 1e4 --assume-unit nm --no-plots",
-            "left out: diffraction, which matters",
+            "left out: diffraction (",
         ),
         (
             &format!("verify {random} --model-rays 2e3"),

@@ -70,7 +70,7 @@ fn a_map_gives_every_verdict_and_writes_its_files() {
     let out = folder.join("out");
     assert_eq!(files(&out), FILES);
     let report = out.text("report.txt");
-    assert_eq!(text, format!("{report}\nresults in out\n"));
+    assert_eq!(text, format!("{report}results in out\n"));
     assert!(report.contains("validity map: 4 of 4 cells; s = 1, 100; theta = 0, 60 deg"));
 
     let table = Table::read(&out.join("map.csv"));

@@ -135,7 +135,7 @@ impl Findings for AlbedoOutcome<'_> {
     }
 
     fn tables(&self) -> String {
-        albedo_text(self) + "\n"
+        albedo_text(self)
     }
 
     fn stopped_by(&self) -> Option<StoppedBy> {

@@ -175,7 +175,7 @@ impl Findings for GonioOutcome<'_> {
     }
 
     fn tables(&self) -> String {
-        gonio_table(self) + "\n"
+        gonio_table(self)
     }
 
     fn stopped_by(&self) -> Option<StoppedBy> {

@@ -206,10 +206,10 @@ pub(crate) fn left_out(
         _ if known().next().is_none() => "diffraction (no unit of length is given)".to_owned(),
         0 => "diffraction, negligible here".to_owned(),
         _ if coherent > 0.01 => format!(
-            "diffraction, which matters: up to {} of a side is coherent",
+            "diffraction (up to {} of a side is coherent)",
             percent(coherent)
         ),
-        _ => "diffraction, which matters: lengths are not large against the wavelength".to_owned(),
+        _ => "diffraction (lengths are not large against the wavelength)".to_owned(),
     }];
     let most = |of: fn(&Outcome) -> f64| outcomes.iter().map(|one| of(one)).fold(0.0, f64::max);
     let lost = most(|one| one.statistics.budget().lost.mean);

@@ -162,7 +162,7 @@ impl Findings for MapOutcome<'_> {
     }
 
     fn tables(&self) -> String {
-        map_table(self) + "\n"
+        map_table(self)
     }
 
     fn stopped_by(&self) -> Option<StoppedBy> {

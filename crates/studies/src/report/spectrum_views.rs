@@ -86,11 +86,11 @@ pub(crate) fn spectra_text<'c>(
             row.case.at.wavelength_nm()
         }));
         let _ = writeln!(text, "{}", spectrum.label());
-        text += &with_quantities(table).text(&rows);
         for colour in SideColour::of(spectrum) {
             has_colour = true;
             let _ = writeln!(text, "{}", colour.text());
         }
+        text += &with_quantities(table).text(&rows);
     }
     if outcomes.iter().any(|one| emissivity(one).is_some()) {
         let _ = writeln!(text, "note: {EMISSIVITY}");
