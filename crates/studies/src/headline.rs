@@ -44,10 +44,10 @@ pub(crate) fn of_light(cases: &[CaseLight<'_>], max_order: u32) -> Vec<String> {
             .map(|(line, _)| line),
     );
     let errors = errors_line(&outcomes);
-    lines.extend(match explained {
-        Some(text) => errors.map(|errors| format!("{text}; {}", errors.replace("standard ", ""))),
-        None => errors,
-    });
+    let both = errors.as_ref().zip(explained);
+    let both = both.map(|(errors, text)| format!("{text}; {}", errors.replace("standard ", "")));
+    // Distances too small for the line need no explanation.
+    lines.extend(both.filter(|line| line.len() <= TEXT_WIDTH).or(errors));
     let validities = cases.iter().map(|case| case.validity);
     lines.push(left_out(&outcomes, validities, max_order));
     lines
