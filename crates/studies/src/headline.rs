@@ -104,14 +104,19 @@ pub(crate) fn light_line(outcomes: &[&Outcome]) -> Option<String> {
     })
 }
 
-/// Smallest and largest mean of estimates, once if they are one.
+/// Smallest and largest mean of estimates.
 fn range_of(estimates: &[EstimateWithLimit]) -> String {
     let means = estimates.iter().map(|one| one.estimate().mean);
-    match range(means) {
-        Some([low, high]) if low == high => low,
-        Some([low, high]) => format!("{low} to {high}"),
-        None => "-".to_owned(),
-    }
+    range_text(means).unwrap_or_else(|| "-".to_owned())
+}
+
+/// Smallest and largest finite number, once if they are one.
+pub(crate) fn range_text(numbers: impl Iterator<Item = f64>) -> Option<String> {
+    let [low, high] = range(numbers)?;
+    Some(match low == high {
+        true => low,
+        false => format!("{low} to {high}"),
+    })
 }
 
 /// Smallest and largest finite number, to three digits; `None` without any.
@@ -139,7 +144,7 @@ fn model_line(cases: &[CaseLight<'_>], component: Component) -> Option<(String, 
         }
         // By the triangle inequality the truth is no further away, in 95 of 100 cases
         let found = &compared.comparison.total_variation;
-        let bound = found.observed + found.noise_95.unwrap_or(0.0);
+        let bound = (found.observed + found.noise_95.unwrap_or(0.0)).min(1.0);
         match models
             .iter_mut()
             .find(|(name, _)| *name == model.model.name())

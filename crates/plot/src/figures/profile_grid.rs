@@ -325,7 +325,8 @@ fn outline(points: &[Point]) -> Vec<Point> {
             continue;
         }
         let at = |s: &Point, side: f64| Point {
-            x: point.x + side * half,
+            // The bin of the last point ends at the horizon.
+            x: (point.x + side * half).clamp(-90.0, 90.0),
             ..*s
         };
         let [before, after] = neighbours;
@@ -434,5 +435,19 @@ mod tests {
         assert!(says(&grid));
         grid.components[0].points[0][2].y = 0.3;
         assert!(!says(&grid));
+    }
+
+    /// A peak in the last bin, whose mean angle is nearer to the horizon than to the bin before.
+    #[test]
+    fn a_peak_at_the_horizon_stays_within_it() {
+        let points = [(-40.0, 0.0), (85.0, 0.0), (88.7, 1.0)];
+        let points = points
+            .map(|(x, y)| Point::with_error(x, y, Some(0.01)))
+            .to_vec();
+        let corners = outline(&points);
+        assert!(corners.iter().all(|corner| corner.x <= 90.0));
+        let mut profiles = grid(1);
+        profiles.components[0].points = vec![points];
+        profiles.draw().unwrap();
     }
 }

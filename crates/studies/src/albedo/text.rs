@@ -9,7 +9,7 @@ use super::config::AlbedoSlopes;
 use super::means::MeanAlbedo;
 use super::outcome::AlbedoOutcome;
 use super::tables::{letter, mean_columns};
-use crate::headline::range;
+use crate::headline::range_text;
 use crate::output::{Column, NO_SCATTER, Table, cut_short, significant, two_digits, wrapped};
 use crate::report::energies::lost_warning;
 
@@ -22,9 +22,9 @@ pub(super) fn headline(outcome: &AlbedoOutcome<'_>) -> Vec<String> {
         let ratio = points()
             .filter_map(|point| point.ratio(side))
             .fold(0.0, f64::max);
-        if let Some([low, high]) = range(means) {
+        if let Some(means) = range_text(means) {
             lines.push(format!(
-                "{side} {low} to {high} of the light, up to {} times single scattering",
+                "{side} {means} of the light, up to {} times single scattering",
                 significant(ratio)
             ));
         }

@@ -11,7 +11,7 @@ use asperity_surface::LengthUnit;
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
-use crate::headline::range;
+use crate::headline::range_text;
 use crate::output::{
     Basis, Column, EstimateWithLimit, Format, Table, unit_of_lengths, with_error, wrapped,
 };
@@ -193,8 +193,8 @@ pub(super) fn visibility(outcome: &AttenuationOutcome<'_>) -> Table<'static, Vis
 pub(super) fn headline(outcome: &AttenuationOutcome<'_>) -> Vec<String> {
     let rows = &outcome.rows;
     let mut lines = Vec::new();
-    if let Some([low, high]) = range(rows.iter().map(|row| row.lit.mean)) {
-        lines.push(format!("light reaches {low} to {high} of the points"));
+    if let Some(lit) = range_text(rows.iter().map(|row| row.lit.mean)) {
+        lines.push(format!("light reaches {lit} of the points"));
     }
     let less = |row: &AttenuationRow| {
         let smith = Beckmann::new(row.slopes).g1(row.light.wi());
@@ -206,7 +206,7 @@ pub(super) fn headline(outcome: &AttenuationOutcome<'_>) -> Vec<String> {
     if let Some(row) = furthest {
         let mean = less(row);
         lines.push(format!(
-            "masking G1 differs most from Smith's at sigma {}, theta {} deg: by {}",
+            "G1 is off Smith's most at sigma {}, theta {} deg: by {}",
             short(row.sigma),
             short(row.light.theta_deg()),
             with_error(Estimate { mean, ..row.g1 })

@@ -177,7 +177,7 @@ pub(super) fn headline(outcome: &MapOutcome<'_>) -> Vec<String> {
     let cells = outcome.found().count();
     let summaries = summarise(outcome);
     let mut lines = vec![format!(
-        "of {} these are within {} (total variation, energy) and {} deg (peaks):",
+        "of {}, models hold within {} (total variation, energy), {} deg (peaks):",
         counted(cells as u64, "cell"),
         match tolerances.total_variation.0 == tolerances.energy.0 {
             true => percent(tolerances.energy.0),
