@@ -85,23 +85,28 @@ pub(crate) fn light_line(outcomes: &[&Outcome]) -> Option<String> {
         several => format!(" in {}", counted(several as u64, "case")),
     };
     let line = |text: fn(&[EstimateWithLimit]) -> String| {
-        let parts = parts
-            .iter()
-            .map(|(name, fluxes)| format!("{name} {}", text(fluxes)));
-        format!(
-            "{} of the light{cases}",
-            parts.collect::<Vec<_>>().join(", ")
-        )
+        let parts = parts.iter();
+        let parts = parts.map(|(name, fluxes)| format!("{name} {}", text(fluxes)));
+        parts.collect::<Vec<_>>().join(", ")
     };
     let with_errors = line(|fluxes| match fluxes {
         [one] => one.text(),
         several => range_of(several),
     });
-    // Three numbers with small errors are too long for a line.
-    Some(match with_errors.chars().count() <= TEXT_WIDTH {
-        true => with_errors,
-        false => line(range_of),
-    })
+    let of_light = format!(" of the light{cases}");
+    // Numbers with small errors take the room of the words, and of the errors.
+    let fits = |line: &String| line.chars().count() <= TEXT_WIDTH;
+    let all = [
+        with_errors.clone() + &of_light,
+        with_errors,
+        line(range_of) + &of_light,
+    ];
+    Some(
+        all.iter()
+            .find(|line| fits(line))
+            .unwrap_or(&all[2])
+            .clone(),
+    )
 }
 
 /// Smallest and largest mean of estimates.
