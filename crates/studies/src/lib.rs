@@ -16,7 +16,6 @@ mod export;
 mod generate;
 mod given;
 mod gonio;
-mod headline;
 mod inspect;
 mod map;
 mod materials;

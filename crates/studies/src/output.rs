@@ -5,6 +5,7 @@ mod basis;
 mod by_side;
 mod columns;
 mod head;
+mod line;
 mod number;
 mod place;
 mod summary_of_cases;
@@ -21,6 +22,7 @@ pub(crate) use columns::{
     over, projected_solid_angle, ray_count, solid_angle_column,
 };
 pub(crate) use head::Head;
+pub(crate) use line::{fitted, percent, range, range_text, relative};
 pub(crate) use number::{
     NO_SCATTER, beside, cut_short, distance, in_steps, significant, two_digits, with_error,
 };

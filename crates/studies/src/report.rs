@@ -15,6 +15,7 @@ pub(crate) mod figures;
 pub(crate) mod flux_basis;
 pub(crate) mod flux_tables;
 pub(crate) mod fluxes;
+pub(crate) mod headline;
 pub(crate) mod polarised;
 pub(crate) mod polarised_figures;
 pub(crate) mod roughness;

@@ -14,6 +14,7 @@ use serde_json::json;
 use crate::config::error::ConfigError;
 use crate::config::values::Seconds;
 use crate::error::StudyError;
+use crate::report::headline::with_tables;
 use crate::report::views::Views;
 use crate::settings::{Document, SettingError};
 
@@ -215,11 +216,6 @@ pub trait Findings {
     fn work(&self) -> Option<String> {
         None
     }
-}
-
-/// A headline with tables below it.
-pub(crate) fn with_tables(headline: &[String], tables: &str) -> String {
-    format!("{}\n\n{tables}", headline.join("\n"))
 }
 
 /// Clause that says how many of the cases are finished: "1 of 4 cells is finished".

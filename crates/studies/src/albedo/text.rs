@@ -9,8 +9,9 @@ use super::config::AlbedoSlopes;
 use super::means::MeanAlbedo;
 use super::outcome::AlbedoOutcome;
 use super::tables::{letter, mean_columns};
-use crate::headline::range_text;
-use crate::output::{Column, NO_SCATTER, Table, cut_short, significant, two_digits, wrapped};
+use crate::output::{
+    Column, NO_SCATTER, Table, cut_short, range_text, significant, two_digits, wrapped,
+};
 use crate::report::energies::lost_warning;
 
 /// Headline: albedos of all light, next to single scattering, and their largest errors.

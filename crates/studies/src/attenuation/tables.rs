@@ -11,9 +11,9 @@ use asperity_surface::LengthUnit;
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
-use crate::headline::range_text;
 use crate::output::{
-    Basis, Column, EstimateWithLimit, Format, Table, unit_of_lengths, with_error, wrapped,
+    Basis, Column, EstimateWithLimit, Format, Table, range_text, unit_of_lengths, with_error,
+    wrapped,
 };
 
 /// Description of the column `theta`.

@@ -6,8 +6,9 @@ use asperity_simulate::{counted, short};
 use super::json::{case_summary, converge_summary};
 use super::tables::{case_table, convergence, headline, rows};
 use super::{ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergedCase, MethodOutcome};
+use crate::report::headline::with_tables;
 use crate::report::views::{Views, case_folders};
-use crate::study::{Findings, with_tables};
+use crate::study::Findings;
 
 impl ConvergeConfig {
     /// The files of the study.

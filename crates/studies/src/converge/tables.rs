@@ -10,8 +10,7 @@ use asperity_tracer::Branching;
 use super::{
     ConvergeOutcome, ConvergedCase, Measurement, Method, MethodOutcome, RepeatedError, SecondsTo,
 };
-use crate::headline::{percent, range};
-use crate::output::{Cell, Column, Table, significant, with_error, wrapped};
+use crate::output::{Cell, Column, Table, percent, range, significant, with_error, wrapped};
 
 /// Most cases of which a headline tells.
 const MAX_CASES: usize = 3;

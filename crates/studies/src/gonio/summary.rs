@@ -12,10 +12,10 @@ use super::outcome::{Direction, GonioOutcome};
 use super::peak::Peak;
 use super::tables::{measured, report};
 use crate::config::lobes::BinnedLobe;
-use crate::headline::{errors_line, left_out, light_line};
 use crate::output::{Column, Table, cut_short, wrapped};
 use crate::report::appearance::{appearance_columns, coherent_note, coherent_warning};
 use crate::report::energies::{lost_warning, more_rays_warning};
+use crate::report::headline::{errors_line, left_out, light_line};
 use crate::report::spectrum::EMISSIVITY;
 use crate::validity::{first_warning, note_of_several, wavelength_warnings};
 

@@ -16,8 +16,8 @@ use crate::given::{file_name, write_surface};
 use crate::output::{Head, note_lines, wrapped};
 use crate::report::error::ReportError;
 use crate::report::figures::{height_map_figure, write_by_ending};
+use crate::report::headline::with_tables;
 use crate::report::views::Views;
-use crate::study::with_tables;
 
 /// The tables and figures of an inspected surface.
 pub struct InspectReport<'a> {

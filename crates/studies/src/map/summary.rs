@@ -10,8 +10,7 @@ use serde::Serialize;
 use super::cell::{CellResults, ComparedLight, FEWEST_SURFACES};
 use super::interval::CellVerdict;
 use super::outcome::MapOutcome;
-use crate::headline::{fitted, percent};
-use crate::output::{Column, Table, cut_short, wrapped};
+use crate::output::{Column, Table, cut_short, fitted, percent, wrapped};
 use crate::report::energies::more_rays_warning;
 use crate::validity::{first_warning, note_of_several, wavelength_warnings};
 

@@ -10,9 +10,8 @@ use asperity_tally::{Component, Estimate, Side, TallyResult};
 use serde_json::{Map, Value, json};
 
 use crate::config::Coherent;
-use crate::headline::fitted;
 use crate::output::{
-    Cell, Column, EstimateWithLimit, Table, case_columns, incidence_columns, significant,
+    Cell, Column, EstimateWithLimit, Table, case_columns, fitted, incidence_columns, significant,
     with_error, wrapped,
 };
 use crate::report::aperture_light::{Parts, entry};

@@ -10,8 +10,7 @@ use super::outcome::TraceOutcome;
 use crate::comparison::compared::{COMPARED, key};
 use crate::comparison::conclusion::conclusion;
 use crate::comparison::models::ModelOutcome;
-use crate::headline::relative;
-use crate::output::{Column, Table, with_error, wrapped};
+use crate::output::{Column, Table, relative, with_error, wrapped};
 use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::recorded_orders;
 

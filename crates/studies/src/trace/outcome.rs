@@ -6,9 +6,9 @@ use asperity_tally::TallySpec;
 use super::comparison::TraceComparison;
 use super::plan::PlannedTrace;
 use crate::config::lobes::BinnedLobe;
-use crate::headline::{CaseLight, of_light};
 use crate::report::appearance::SampleLight;
 use crate::report::energies::{lost_warning, more_rays_warning};
+use crate::report::headline::{CaseLight, of_light};
 
 /// Results of all cases on given surfaces.
 pub struct TraceOutcomes<'a> {

@@ -18,8 +18,9 @@ use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
 use crate::config::lobes::BinnedLobe;
-use crate::headline::relative;
-use crate::output::{Column, EstimateWithLimit, Format, TEXT_WIDTH, Table, distance, wrapped};
+use crate::output::{
+    Column, EstimateWithLimit, Format, TEXT_WIDTH, Table, distance, relative, wrapped,
+};
 use crate::report::appearance::{appearance_text, coherent_warning};
 use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::{

@@ -16,11 +16,12 @@ use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::error::ReportError;
 use crate::report::figures;
+use crate::report::headline::with_tables;
 use crate::report::shown_case::ShownCase;
 use crate::report::spectrum_views::{add_spectra, columns_of_all, has_spectra};
 use crate::report::summary::Summary;
 use crate::report::views::{Views, case_folders};
-use crate::study::{Findings, with_tables};
+use crate::study::Findings;
 
 impl VerifyConfig {
     /// The files of every case, in folders of their own where there are several, with a report and a summary of all.

@@ -6,8 +6,8 @@ use asperity_simulate::{Outcome, StoppedBy, Stopping};
 use super::plan::Plan;
 use crate::comparison::judgement::Judgement;
 use crate::config::VerifyConfig;
-use crate::headline::{CaseLight, of_light};
 use crate::report::appearance::SampleLight;
+use crate::report::headline::{CaseLight, of_light};
 use crate::validity::Validity;
 
 /// Results of a verification, judged.

@@ -7,7 +7,7 @@ use asperity_tally::{Component, Side, TallyResult};
 use asperity_tracer::PathSettings;
 
 use crate::comparison::judgement::Judgement;
-use crate::output::{EstimateWithLimit, TEXT_WIDTH, significant};
+use crate::output::{EstimateWithLimit, TEXT_WIDTH, fitted, percent, range_text};
 use crate::report::appearance::{SampleLight, appearance_line};
 use crate::report::flux_basis::FluxBasis;
 use crate::validity::Validity;
@@ -113,22 +113,6 @@ pub(crate) fn light_line(outcomes: &[&Outcome]) -> Option<String> {
 fn range_of(estimates: &[EstimateWithLimit]) -> String {
     let means = estimates.iter().map(|one| one.estimate().mean);
     range_text(means).unwrap_or_else(|| "-".to_owned())
-}
-
-/// Smallest and largest finite number, once if they are one.
-pub(crate) fn range_text(numbers: impl Iterator<Item = f64>) -> Option<String> {
-    let [low, high] = range(numbers)?;
-    Some(match low == high {
-        true => low,
-        false => format!("{low} to {high}"),
-    })
-}
-
-/// Smallest and largest finite number, to three digits; `None` without any.
-pub(crate) fn range(numbers: impl Iterator<Item = f64>) -> Option<[String; 2]> {
-    let mut numbers: Vec<f64> = numbers.filter(|number| number.is_finite()).collect();
-    numbers.sort_by(f64::total_cmp);
-    Some([numbers.first()?, numbers.last()?].map(|number| significant(*number)))
 }
 
 /// Line that says how far models are from a component of the light at most in any case, the nearest first, and the distance of the nearest; `None`
@@ -243,67 +227,14 @@ pub(crate) fn left_out(
     fitted("left out: ", &parts, "")
 }
 
-/// A fraction in percent, to two digits.
-pub(crate) fn percent(fraction: f64) -> String {
-    let percent = 100.0 * fraction;
-    if percent == 0.0 {
-        return "0 %".to_owned();
-    }
-    // Of the rounded number
-    let rounded = format!("{percent:.1e}");
-    let exponent: Option<i32> = rounded
-        .rsplit('e')
-        .next()
-        .and_then(|text| text.parse().ok());
-    match (1 - exponent.unwrap_or(0)).max(0) {
-        digits @ 0..6 => format!("{percent:.0$} %", digits as usize),
-        _ => format!("{rounded} %"),
-    }
-}
-
-/// A model's flux less the explicit one, in percent of the explicit one, in brackets; nothing where no light is.
-pub(crate) fn relative(model: f64, explicit: f64) -> String {
-    if explicit <= 0.0 {
-        return String::new();
-    }
-    let off = model / explicit - 1.0;
-    let sign = if off > 0.0 { "+" } else { "" };
-    format!(" ({sign}{})", percent(off))
-}
-
-/// As many of `parts` as fit into a line between `before` and `after`, at least one.
-pub(crate) fn fitted(before: &str, parts: &[String], after: &str) -> String {
-    const MORE: &str = ", ...";
-    let mut line = before.to_owned();
-    for (i, part) in parts.iter().enumerate() {
-        let comma = if i == 0 { "" } else { ", " };
-        let is_last = i + 1 == parts.len();
-        let needed = comma.len() + part.len() + after.len() + if is_last { 0 } else { MORE.len() };
-        if i > 0 && line.chars().count() + needed > TEXT_WIDTH {
-            line.push_str(MORE);
-            break;
-        }
-        line.push_str(comma);
-        line.push_str(part);
-    }
-    line + after
+/// A headline with tables below it.
+pub(crate) fn with_tables(headline: &[String], tables: &str) -> String {
+    format!("{}\n\n{tables}", headline.join("\n"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn percentages_have_two_digits() {
-        let text = [0.0, 0.001_62, 0.552, 1.0, 3.96e-7, 2e-9].map(percent);
-        assert_eq!(relative(0.85, 1.0), " (-15 %)");
-        assert_eq!(relative(1.001, 1.0), " (+0.10 %)");
-        assert_eq!(relative(1.0, 0.0), "");
-        assert_eq!(
-            text,
-            ["0 %", "0.16 %", "55 %", "100 %", "0.000040 %", "2.0e-7 %"]
-        );
-    }
 
     #[test]
     fn a_distance_is_explained_by_rays() {
@@ -315,16 +246,5 @@ mod tests {
             "total variation 0.00030 %: 3 of 1000000 rays go elsewhere",
         ];
         assert_eq!(text, expected);
-    }
-
-    #[test]
-    fn a_line_holds_as_many_parts_as_fit() {
-        let parts: Vec<String> = (0..30).map(|i| format!("part {i}")).collect();
-        let line = fitted("all: ", &parts, " of it");
-        assert!(
-            line.len() <= TEXT_WIDTH && line.ends_with(", ... of it"),
-            "{line}"
-        );
-        assert_eq!(fitted("", &parts[..2], "."), "part 0, part 1.");
     }
 }
