@@ -118,7 +118,7 @@ def open_file(browser):
         options = {"viewport": {"width": 1200, "height": 900}, "color_scheme": "light", "reduced_motion": "reduce", **options}
         context = browser.new_context(**options)
         contexts.append(context)
-        context.set_default_timeout(10_000)
+        context.set_default_timeout(30_000)
         context.on("request", requested)
         if script:
             context.add_init_script(script)

@@ -176,7 +176,7 @@ pub(super) fn headline(outcome: &MapOutcome<'_>) -> Vec<String> {
     let cells = outcome.found().count();
     let summaries = summarise(outcome);
     let mut lines = vec![format!(
-        "of {}, models hold within {} (total variation, energy), {} deg (peaks):",
+        "of {}, within {} of the light and {} deg of its peaks:",
         counted(cells as u64, "cell"),
         match tolerances.total_variation.0 == tolerances.energy.0 {
             true => percent(tolerances.energy.0),
