@@ -54,9 +54,9 @@ def run(tmp_path):
     def run(kind, code):
         command = {"sh": ["bash", "-euc", code], "python": [sys.executable, "-c", code]}[kind]
         done = subprocess.run(
-            command, cwd=tmp_path / "work", env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            command, cwd=tmp_path / "work", env=environment, capture_output=True, text=True
         )
-        assert done.returncode == 0, done.stdout
+        assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
 
     return run

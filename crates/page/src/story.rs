@@ -17,6 +17,12 @@ pub(crate) fn story(folder: &Folder, cases: &[Case]) -> Story {
             "The run was ended before it was complete: these are the results so far.".to_owned(),
         );
     }
+    if cases
+        .iter()
+        .any(|case| case.summary["validity"]["holds"] == false)
+    {
+        notes.push("Geometric optics is doubtful: lengths are not large against the wavelength, or light stays coherent.".to_owned());
+    }
     let of_cases = cases.iter().map(|case| &case.summary["warnings"]);
     for warnings in [&folder.summary["warnings"]].into_iter().chain(of_cases) {
         for warning in words::texts(warnings) {

@@ -85,6 +85,17 @@ pub(crate) fn conclusion(case: &Judgement<'_>) -> String {
     sentences.join("\n")
 }
 
+/// The conclusion with the meaning of a rejection, if there is one.
+pub(crate) fn explained_conclusion(case: &Judgement<'_>) -> String {
+    let components = case.models.iter().flat_map(|model| &model.components);
+    let mut verdicts = components.map(|(_, compared)| &compared.verdict);
+    let conclusion = conclusion(case);
+    match verdicts.any(|verdict| matches!(verdict, Some(Verdict::Rejected))) {
+        true => format!("{conclusion}\n(rejected: the difference is real, not that it is large)"),
+        false => conclusion,
+    }
+}
+
 /// The test of one model.
 #[derive(Clone, Copy)]
 struct Tested<'a> {

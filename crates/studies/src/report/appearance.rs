@@ -333,7 +333,7 @@ pub(crate) fn appearance_line(sample: SampleLight<'_>) -> Option<String> {
         let best = reading.best().estimate().mean;
         let other = match (best - rays).abs() <= SAME * rays.abs() {
             true => String::new(),
-            false => format!(" ({} by rays alone)", significant(rays)),
+            false => format!(" ({} by rays alone; uncertain)", significant(rays)),
         };
         Some(format!("{name} {}{other}", significant(best)))
     };

@@ -7,7 +7,7 @@ use asperity_tally::{Component, Side, TallyResult};
 use asperity_tracer::PathSettings;
 
 use crate::comparison::judgement::Judgement;
-use crate::output::{EstimateWithLimit, TEXT_WIDTH, fitted, percent, range_text};
+use crate::output::{EstimateWithLimit, TEXT_WIDTH, fitted, percent, range_text, two_digits};
 use crate::report::appearance::{SampleLight, appearance_line};
 use crate::report::flux_basis::FluxBasis;
 use crate::validity::Validity;
@@ -217,12 +217,18 @@ pub(crate) fn left_out(
     if max_order < PathSettings::DEFAULT_MAX_ORDER {
         parts.push(format!("orders above {max_order}"));
     }
-    let has_mesh_error = |one: &&&Outcome| {
-        let mut sides = one.statistics.spec().sides();
-        sides.any(|side| one.errors.flux(side, Component::All).mesh.is_none())
-    };
-    if outcomes.iter().any(|one| has_mesh_error(&one)) {
-        parts.push("mesh error".to_owned());
+    let mesh = outcomes.iter().flat_map(|one| {
+        let sides = one.statistics.spec().sides();
+        sides.map(|side| one.errors.flux(side, Component::All).mesh)
+    });
+    let mesh: Option<Vec<f64>> = mesh.collect();
+    match mesh.map(|all| {
+        all.into_iter()
+            .fold(0.0, |most, one| f64::max(most, one.abs()))
+    }) {
+        None => parts.push("mesh error".to_owned()),
+        Some(most) if most > 0.0 => parts.push(format!("mesh error up to {}", two_digits(most))),
+        Some(_) => {}
     }
     fitted("left out: ", &parts, "")
 }

@@ -8,7 +8,7 @@ use asperity_tally::{Component, Side};
 use super::comparison::{Slopes, TraceComparison};
 use super::outcome::TraceOutcome;
 use crate::comparison::compared::{COMPARED, key};
-use crate::comparison::conclusion::conclusion;
+use crate::comparison::conclusion::explained_conclusion;
 use crate::comparison::models::ModelOutcome;
 use crate::output::{Column, Table, relative, with_error, wrapped};
 use crate::report::distribution_table::{distribution_table, sampled_models};
@@ -20,7 +20,7 @@ pub(super) fn comparison_text(comparison: &TraceComparison) -> String {
         "\n{}\n\n{}\n{}\n",
         wrapped(&slopes_line(comparison)),
         flux_table(comparison),
-        conclusion(&comparison.judgement)
+        explained_conclusion(&comparison.judgement)
     )
 }
 

@@ -13,7 +13,7 @@ use asperity_tracer::{PathSettings, Polarisation};
 use super::outcome::VerifyOutcome;
 use crate::comparison::AVERAGED_LAYERS;
 use crate::comparison::compared::{COMPARED, key};
-use crate::comparison::conclusion::{conclusion, verdict_name};
+use crate::comparison::conclusion::{explained_conclusion, verdict_name};
 use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
@@ -164,7 +164,7 @@ pub(super) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Strin
 
     out.push_str(&flux_table(case));
     if !case.models.is_empty() {
-        let _ = writeln!(out, "\n{}", conclusion(case));
+        let _ = writeln!(out, "\n{}", explained_conclusion(case));
     }
     if let Some(note) = validity.and_then(|validity| validity.note()) {
         let _ = writeln!(out, "{}", wrapped(&format!("note: {note}")));
