@@ -12,7 +12,7 @@ macro_rules! example {
     };
 }
 
-/// All of them.
+/// Examples of the program.
 pub(crate) static EXAMPLES: [Example; 21] = [
     example!("atlas.toml"),
     example!("brushed.toml"),

@@ -34,10 +34,7 @@ fn every_study_begins_with_the_answer() {
             &format!("verify {random} --theta 0,30,60 --model-rays 2e3"),
             "of the light in 3 cases",
         ),
-        (
-            &format!("gonio {random} --theta 0,30"),
-            "brightest reflected: ",
-        ),
+        (&format!("gonio {random} --theta 0,30"), "BRDF up to "),
         (
             &format!("map {random} --models smith,heitz --model-rays 2e3"),
             "against all light: ",

@@ -70,7 +70,9 @@ fn every_example_of_settings_can_be_written() {
             continue;
         };
         let name = Path::new(name).file_name().unwrap().to_str().unwrap();
-        let text = fs::read_to_string(&path).unwrap().replace("examples/", "");
+        let text = fs::read_to_string(&path).unwrap();
+        let text = text.replace(&format!("examples/{name}.toml"), &format!("{name}.toml"));
+        let text = text.replace("examples/ripples.txt", "ripples.txt");
         let first = text.lines().next().unwrap().trim_start_matches("# ");
         let folder = Folder::new();
         let printed = folder.succeed(format!("example {name}"));
@@ -86,6 +88,9 @@ fn every_example_of_settings_can_be_written() {
         .failed("example first_look")
         .must_contain("`first_look.toml` exists and is not replaced");
     folder.refused("example first").must_contain("first_look");
+    folder
+        .succeed("example")
+        .must_contain("first_look: Rough glass");
 }
 
 #[test]

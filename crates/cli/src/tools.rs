@@ -67,7 +67,8 @@ pub(crate) enum Tool {
 pub(crate) enum ToolRun {
     Completions(Shell),
     Man(PathBuf),
-    Example(&'static Example),
+    /// Without an example, lists them.
+    Example(Option<&'static Example>),
     Devices,
 }
 
@@ -100,7 +101,7 @@ impl Tool {
         match self {
             Self::Completions => Some(("SHELL", "bash, zsh or fish")),
             Self::Man => Some(("DIR", "Folder for the pages")),
-            Self::Example => Some(("NAME", "Name of the example")),
+            Self::Example => Some(("NAME", "Name of the example; without it all are listed")),
             Self::Devices => None,
         }
     }
@@ -111,7 +112,7 @@ impl Tool {
             let argument = Arg::new(ARGUMENT)
                 .value_name(name)
                 .help(about)
-                .required(true);
+                .required(self != Self::Example);
             match self {
                 Self::Completions => {
                     argument.value_parser(PossibleValuesParser::new(SHELLS.map(|(name, _)| name)))
@@ -144,10 +145,12 @@ impl Tool {
                 Some(ToolRun::Man(folder.clone()))
             }
             Self::Example => {
-                let name = matches.get_one::<String>(ARGUMENT)?;
-                let is_named =
-                    |one: &&Example| one.file.strip_suffix(SETTINGS) == Some(name.as_str());
-                examples().iter().find(is_named).map(ToolRun::Example)
+                let named = |name: &String| {
+                    let is_named = |one: &&Example| one.file.strip_suffix(SETTINGS) == Some(name);
+                    examples().iter().find(is_named)
+                };
+                let name = matches.get_one::<String>(ARGUMENT);
+                Some(ToolRun::Example(name.and_then(named)))
             }
             Self::Devices => Some(ToolRun::Devices),
         }
@@ -160,14 +163,32 @@ impl ToolRun {
         match self {
             Self::Completions(shell) => print(&completions(shell, program)),
             Self::Man(folder) => write_pages(&folder, program),
-            Self::Example(example) => write_example(example),
+            Self::Example(Some(example)) => write_example(example),
+            Self::Example(None) => print(&listed_examples()),
             Self::Devices => print(&devices()),
         }
     }
 }
 
-/// Folder of the examples in the repository, which their texts name.
+/// Folder of the examples in the repository, by which their texts name files.
 const FOLDER: &str = "examples/";
+
+/// The examples of settings with their first lines.
+fn listed_examples() -> String {
+    let settings = examples().iter();
+    let settings = settings.filter_map(|one| Some((one.file.strip_suffix(SETTINGS)?, one.about())));
+    settings
+        .map(|(name, about)| format!("{name}: {about}\n"))
+        .collect()
+}
+
+impl Example {
+    /// First line of its comment.
+    fn about(&self) -> &str {
+        let first = self.text.lines().next().unwrap_or_default();
+        first.trim_start_matches(['#', ' '])
+    }
+}
 
 /// Writes an example into the current folder, with the files that it reads, and prints its first line. Replaces no file.
 fn write_example(example: &Example) -> Result<(), Failure> {
@@ -182,14 +203,19 @@ fn write_example(example: &Example) -> Result<(), Failure> {
             there.file
         )));
     }
-    for one in files {
-        let text = one.text.replace(FOLDER, "");
-        write_bytes(Path::new(one.file), text.as_bytes()).map_err(Failure::failed)?;
+    let here = |text: &str| {
+        files.iter().fold(text.to_owned(), |text, one| {
+            text.replace(&format!("{FOLDER}{}", one.file), one.file)
+        })
+    };
+    for one in &files {
+        write_bytes(Path::new(one.file), here(one.text).as_bytes()).map_err(Failure::failed)?;
     }
-    let text = example.text.replace(FOLDER, "");
-    let about = text.lines().next().unwrap_or_default();
-    let about = about.trim_start_matches(['#', ' ']);
-    print(&format!("{} written: {about}\n", example.file))
+    print(&format!(
+        "{} written: {}\n",
+        example.file,
+        here(example.about())
+    ))
 }
 
 /// The CPU and the GPUs, a line each.

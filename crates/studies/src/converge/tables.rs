@@ -10,30 +10,36 @@ use asperity_tracer::Branching;
 use super::{
     ConvergeOutcome, ConvergedCase, Measurement, Method, MethodOutcome, RepeatedError, SecondsTo,
 };
-use crate::output::{Cell, Column, Table, percent, range, significant, with_error, wrapped};
+use crate::output::{
+    Cell, Column, Table, fitted, percent, range, significant, with_error, wrapped,
+};
 
-/// Most cases of which a headline tells.
-const MAX_CASES: usize = 3;
-
-/// Headline: the most efficient method of each case, and the error of the reference.
+/// Headline: the method with the least error after one second, by case, and the error of the reference.
 pub(super) fn headline(cases: &[ConvergedCase<'_>]) -> Vec<String> {
     let best = |case: &ConvergedCase<'_>| {
         let at =
             |method: &MethodOutcome| Some((method.fit.error_at_one_second?, method.name.clone()));
         let methods = case.methods.iter().filter_map(at);
-        let (error, name) = methods.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-        let case = match cases.len() {
-            1 => String::new(),
-            _ => format!(" ({})", case.case.label()),
-        };
-        Some(format!(
-            "least error after one second: {name}, {}{case}",
-            percent(error)
-        ))
+        methods.min_by(|(a, _), (b, _)| a.total_cmp(b))
     };
-    let mut lines: Vec<String> = cases.iter().filter_map(best).take(MAX_CASES).collect();
-    if cases.len() > MAX_CASES {
-        lines.push(format!("and {} more cases", cases.len() - MAX_CASES));
+    let found: Vec<(f64, String)> = cases.iter().filter_map(best).collect();
+    let mut names: Vec<&String> = found.iter().map(|(_, name)| name).collect();
+    names.sort();
+    names.dedup();
+    let parts: Vec<String> = names
+        .into_iter()
+        .map(|name| {
+            let of_name = found.iter().filter(|(_, other)| other == name);
+            let mut errors = of_name.clone().map(|(error, _)| percent(*error));
+            match (cases.len(), of_name.count()) {
+                (1, _) => format!("{name}, {}", errors.next_back().unwrap_or_default()),
+                (_, count) => format!("{name} in {count} of {} cases", cases.len()),
+            }
+        })
+        .collect();
+    let mut lines = Vec::new();
+    if !parts.is_empty() {
+        lines.push(fitted("least error after one second: ", &parts, ""));
     }
     let errors = range(cases.iter().map(|case| 100.0 * case.reference.error));
     lines.extend(errors.map(|[_, most]| {

@@ -92,7 +92,7 @@ fn leaves(direction: &Direction<'_>, side: Side) -> bool {
     flux.is_some_and(|flux| flux.estimate().mean != 0.0)
 }
 
-fn quantity(side: Side) -> &'static str {
+pub(super) fn quantity(side: Side) -> &'static str {
     match side {
         Side::Reflected => "BRDF",
         Side::Transmitted => "BTDF",

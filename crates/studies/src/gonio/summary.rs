@@ -8,6 +8,7 @@ use asperity_tally::HemisphereGrid;
 
 use super::distinction::{Distinction, labelled};
 use super::emissivity::{SettingEmissivity, emissivity_lines};
+use super::figures::quantity;
 use super::outcome::{Direction, GonioOutcome};
 use super::peak::Peak;
 use super::tables::{measured, report};
@@ -28,9 +29,9 @@ pub(super) fn headline(outcome: &GonioOutcome<'_>) -> Vec<String> {
         let of = |one: Direction<'_>| Some((Peak::of(&one, side)?, one.case.light.incidence));
         let peaks = measured(outcome).filter_map(of);
         let (peak, light) = peaks.max_by(|(a, _), (b, _)| a.mean().total_cmp(&b.mean()))?;
-        let theta = short(light.theta_deg());
+        let (name, theta) = (quantity(side), short(light.theta_deg()));
         Some(format!(
-            "brightest {side}: {} deg, 1/sr (light at {theta} deg)",
+            "{name} up to {} deg (light at {theta} deg), 1/sr",
             peak.text()
         ))
     });

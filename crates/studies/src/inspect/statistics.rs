@@ -1,7 +1,7 @@
 //! Statistics: roughness of one surface, and its shadows.
 
 use asperity_optics::Incidence;
-use asperity_simulate::Cells;
+use asperity_simulate::{Cells, short};
 use asperity_surface::{HeightField, Iso25178, SplineRoughness, SplineSurface};
 use asperity_synthesis::DrawnRoughness;
 use serde::Serialize;
@@ -65,14 +65,21 @@ impl Statistics {
         let heights = [("Sq", r.sq), ("Sa", r.sa), ("Sz", r.sz)];
         let heights = heights.map(|(name, height)| format!("{name} {}", length(Some(height))));
         let [x, y] = [r.tau_x, r.tau_y].map(length);
-        vec![
+        let mut lines = vec![
             format!(
                 "{}; root mean square gradient Sdq {}",
                 heights.join(", "),
                 significant(r.sdq)
             ),
             format!("correlation lengths (1/e): {x} along x, {y} along y"),
-        ]
+        ];
+        lines.extend(self.shadows.iter().take(MAX_LIGHTS).map(|shares| {
+            let parts = [shares.lit, shares.facing_away, shares.hidden];
+            let [lit, away, hidden] = parts.map(|part| significant(part.estimate().mean));
+            let theta = short(shares.theta_deg);
+            format!("light at theta {theta} deg: lit {lit}, facing away {away}, hidden {hidden}")
+        }));
+        lines
     }
 
     /// Tables for people.
@@ -92,6 +99,9 @@ impl Statistics {
         format!("{table}{areal}{realisation}{cells}{shadows}")
     }
 }
+
+/// Most lights of which a headline tells.
+const MAX_LIGHTS: usize = 3;
 
 const FLAT_CELLS: &str =
     "traced with flat cells by default, two triangles each; see --cells smooth\n";

@@ -47,7 +47,7 @@ pub(crate) fn relative(model: f64, explicit: f64) -> String {
     format!(" ({sign}{})", percent(off))
 }
 
-/// As many of `parts` as fit into a line between `before` and `after`, at least one.
+/// Line of `before`, as many of `parts` as fit, at least one, and `after`.
 pub(crate) fn fitted(before: &str, parts: &[String], after: &str) -> String {
     const MORE: &str = ", ...";
     let mut line = before.to_owned();

@@ -12,7 +12,7 @@ use crate::report::appearance::{SampleLight, appearance_line};
 use crate::report::flux_basis::FluxBasis;
 use crate::validity::Validity;
 
-/// Least fraction of the light whose truncation a headline tells.
+/// Fraction of truncated light below which a headline leaves it out.
 const MIN_TRUNCATED: f64 = 1e-5;
 
 /// Light of one case, with what a headline tells of it.
@@ -196,15 +196,7 @@ pub(crate) fn left_out(
         .filter_map(|(one, validity)| Some(validity.as_ref()?.most_coherent(&one.statistics)));
     let coherent = coherent.fold(0.0, f64::max);
     let doubtful = known().filter(|one| one.holds == Some(false)).count();
-    let mut parts = vec![match doubtful {
-        _ if known().next().is_none() => "diffraction (no unit of length is given)".to_owned(),
-        0 => "diffraction, negligible here".to_owned(),
-        _ if coherent > 0.01 => format!(
-            "diffraction (up to {} of a side is coherent)",
-            percent(coherent)
-        ),
-        _ => "diffraction (lengths are not large against the wavelength)".to_owned(),
-    }];
+    let mut parts = Vec::new();
     let most = |of: fn(&Outcome) -> f64| outcomes.iter().map(|one| of(one)).fold(0.0, f64::max);
     let lost = most(|one| one.statistics.budget().lost.mean);
     if lost > 0.0 {
@@ -214,6 +206,15 @@ pub(crate) fn left_out(
     if truncated > MIN_TRUNCATED {
         parts.push(format!("{} truncated", percent(truncated)));
     }
+    parts.push(match doubtful {
+        _ if known().next().is_none() => "diffraction (no unit of length is given)".to_owned(),
+        0 => "diffraction, negligible here".to_owned(),
+        _ if coherent > 0.01 => format!(
+            "diffraction (up to {} of a side is coherent)",
+            percent(coherent)
+        ),
+        _ => "diffraction (lengths near the wavelength)".to_owned(),
+    });
     if max_order < PathSettings::DEFAULT_MAX_ORDER {
         parts.push(format!("orders above {max_order}"));
     }
@@ -233,7 +234,7 @@ pub(crate) fn left_out(
     fitted("left out: ", &parts, "")
 }
 
-/// A headline with tables below it.
+/// Report: a headline, and tables below it.
 pub(crate) fn with_tables(headline: &[String], tables: &str) -> String {
     format!("{}\n\n{tables}", headline.join("\n"))
 }

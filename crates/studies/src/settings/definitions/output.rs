@@ -170,7 +170,7 @@ pub(super) const PROGRAM: &[Setting] = &flags(
             .help("Print nothing but errors and what --json prints")
             .short('q'),
         basic("verbose", Kind::Switch)
-            .help("Report on standard error what is done and why, and times")
+            .help("Report what is done and why, with times; print all tables")
             .short('v'),
     ],
 );
