@@ -53,11 +53,9 @@ def run(tmp_path):
 
     def run(kind, code):
         command = {"sh": ["bash", "-euc", code], "python": [sys.executable, "-c", code]}[kind]
-        done = subprocess.run(
-            command, cwd=tmp_path / "work", env=environment, capture_output=True, text=True
-        )
+        done = subprocess.run(command, cwd=tmp_path / "work", env=environment, capture_output=True, text=True)
         assert done.returncode == 0, done.stdout + done.stderr
-        return done.stdout
+        return re.sub(r" +$", "", done.stdout, flags=re.MULTILINE)
 
     return run
 
