@@ -210,7 +210,7 @@ pub(crate) fn left_out(
         _ if known().next().is_none() => "diffraction (no unit of length is given)".to_owned(),
         0 => "diffraction, negligible here".to_owned(),
         _ if coherent > 0.01 => format!(
-            "diffraction (up to {} of a side is coherent)",
+            "diffraction (up to {} coherent light)",
             percent(coherent)
         ),
         _ => "diffraction (lengths near the wavelength)".to_owned(),
