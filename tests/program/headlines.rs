@@ -24,7 +24,7 @@ fn every_study_begins_with_the_answer() {
         ),
         (
             "trace h.exr --rays 1e4 --assume-unit nm --no-plots",
-            "left out: diffraction (",
+            "diffraction (up to ",
         ),
         (
             &format!("verify {random} --model-rays 2e3"),
