@@ -209,10 +209,7 @@ pub(crate) fn left_out(
     parts.push(match doubtful {
         _ if known().next().is_none() => "diffraction (no unit of length is given)".to_owned(),
         0 => "diffraction, negligible here".to_owned(),
-        _ if coherent > 0.01 => format!(
-            "diffraction (up to {} coherent light)",
-            percent(coherent)
-        ),
+        _ if coherent > 0.01 => format!("diffraction (up to {} coherent light)", percent(coherent)),
         _ => "diffraction (lengths near the wavelength)".to_owned(),
     });
     if max_order < PathSettings::DEFAULT_MAX_ORDER {
