@@ -66,7 +66,7 @@ def assert_rounded(text, mean, error):
 def test_pages_open_without_complaint(show, results, name, scheme):
     page = show(name, color_scheme=scheme)
     assert (results / f"{name}.html").stat().st_size < 500_000
-    assert page.locator(".story p").count() >= 2
+    assert page.locator(".story p").count() >= 1
     assert page.locator("html").get_attribute("data-theme") == scheme
     for details in page.locator("details:not([open]) > summary").all():
         if details.is_visible():
