@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import asperity as asp
+
 EXAMPLES = Path(__file__).parents[3] / "examples/python"
 RAYS = 20_000
 
@@ -30,11 +32,13 @@ def run(tmp_path, monkeypatch):
 
 TUTORIALS = ("height_map_to_brdf", "which_model_holds", "spectra_of_a_metal", "how_an_error_falls")
 ADAPTERS = ("mitsuba_bsdf", "surface_topography", "optiland_scatter")
+# The picture of README takes minutes and is drawn by hand
+FIGURES = ("atlas", "lobe_solids")
 pytestmark = pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
 
 
 def test_every_script_is_run():
-    assert {path.stem for path in EXAMPLES.glob("*.py")} == {*TUTORIALS, *ADAPTERS}
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == {*TUTORIALS, *ADAPTERS, *FIGURES}
 
 
 @pytest.mark.parametrize("name", TUTORIALS)
@@ -141,3 +145,13 @@ def test_optiland_scatter(run):
     mean = np.array([names["rays"].L.mean(), names["rays"].M.mean(), names["rays"].N.mean()])
     mean /= np.linalg.norm(mean)
     assert mean @ [0, np.sqrt(0.75), -0.5] > np.cos(np.radians(2))
+
+
+def test_the_atlas_is_drawn_from_maps(run, tmp_path, monkeypatch):
+    grid = dict(smoothness=[3, 10], theta=[0, 60], tau=4, size=32, realisations=8, rays=RAYS, bins="18x12")
+    asp.map(**grid, models=["xu-sun", "smith", "v-cavity", "heitz"], model_rays=RAYS).save(tmp_path / "map")
+    monkeypatch.setattr(sys, "argv", ["atlas.py", "map", "-o", "atlas.png", "--csv", "atlas.csv"])
+    run("atlas", "matplotlib", "pandas")
+    assert (tmp_path / "atlas.png").stat().st_size > 10_000
+    # Cells, models and comparisons, below the names of columns
+    assert len((tmp_path / "atlas.csv").read_text().splitlines()) == 1 + 4 * 4 * 2
