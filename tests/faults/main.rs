@@ -1,7 +1,7 @@
 //! Faults: runs that are killed, interrupted, or left without disk space or memory at any moment, and the same command run again.
 //!
 //! After each fault every file of the result folder is whole, and the same command gives the files of an undisturbed run. A few moments
-//! of each command and fault are tested; `ASPERITY_FAULTS=100` takes so many and prints the table of `docs/how_it_works/faults.md`.
+//! of each command and fault are tested; `ASPERITY_FAULTS=100` tests 100 moments of each and prints the table of `docs/how_it_works/faults.md`.
 
 #![cfg(unix)]
 #![allow(

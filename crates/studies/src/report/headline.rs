@@ -1,6 +1,6 @@
 //! Headline: the first lines of a result. How much light leaves, which model holds within what, how sure that is, and what is left out.
 //!
-//! The same lines begin the printed text and report.txt, and are the key `headline` of summary.json, which pages show.
+//! The printed text and report.txt begin with these lines. Pages read them from the key `headline` of summary.json.
 
 use asperity_simulate::{Outcome, counted};
 use asperity_tally::{Component, Side, TallyResult};
